@@ -66,6 +66,25 @@ enum Model {
     KannalaBrandt(KannalaBrandt),
 }
 
+/// Where `slope`, positive at 0, first becomes zero; `limit` if it does not before.
+fn first_fold(limit: f64, slope: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: u32 = 4096;
+    let at = |i: u32| limit * f64::from(i) / f64::from(STEPS);
+    let Some(beyond) = (1..=STEPS).find(|&i| !(slope(at(i)) > 0.0)) else {
+        return limit;
+    };
+    let (mut low, mut high) = (at(beyond - 1), at(beyond));
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if slope(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
 impl Camera {
     /// A camera, or why it cannot be one.
     ///
@@ -189,7 +208,8 @@ impl Camera {
     pub fn project(&self, point_m: &Vec3) -> Option<Pixel> {
         let (xd, yd) = match &self.model {
             Model::KannalaBrandt(model) => model.project(point_m)?,
-            Model::Pinhole | Model::BrownConrady(_) if point_m.z <= 0.0 => return None,
+            // `!(…)` refuses NaN too.
+            Model::Pinhole | Model::BrownConrady(_) if !(point_m.z > 0.0) => return None,
             Model::Pinhole => (point_m.x / point_m.z, point_m.y / point_m.z),
             Model::BrownConrady(model) => {
                 model.distort(point_m.x / point_m.z, point_m.y / point_m.z)?

@@ -44,12 +44,21 @@ pub fn read_text(path: &Path) -> Result<String, ConfigError> {
 /// # Errors
 /// Broken TOML, a missing key, a wrong type, or an unknown key (with the nearest known one).
 pub fn parse_toml<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, ConfigError> {
-    toml::from_str(text).map_err(|error| ConfigError::Parse {
-        path: path.to_owned(),
-        line: error
-            .span()
-            .map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1),
-        message: with_nearest_key(error.message()),
+    toml::from_str(text).map_err(|error| {
+        let at = error.span().map(|span| span.start.min(text.len()));
+        let line = at.map(|at| text[..at].matches('\n').count());
+        let mut message = with_nearest_key(error.message());
+        // A wrong type is told without its key: quote the line that has it.
+        if let Some(source) = line.and_then(|n| text.lines().nth(n))
+            && !message.contains('`')
+        {
+            message = format!("{message}, in `{}`", source.trim());
+        }
+        ConfigError::Parse {
+            path: path.to_owned(),
+            line: line.map(|n| n + 1),
+            message,
+        }
     })
 }
 

@@ -92,12 +92,14 @@ pub struct CylinderFit {
 pub enum CylinderError {
     #[error("expected at least {needed} tangent planes, found {found}")]
     TooFewPlanes { needed: usize, found: usize },
+    #[error("tangent plane {index}: expected finite numbers")]
+    NotFinite { index: usize },
     #[error(
-        "the position of the axis is not observable (conditioning {conditioning:.1e}): the rod is parallel to the baseline"
+        "the position of the axis is not observable (conditioning {conditioning:.1e}), as for a rod parallel to the baseline"
     )]
     Degenerate { conditioning: f64 },
     #[error(
-        "the tangent planes give a radius of {radius_m} m: the limbs are exchanged or are not of one rod"
+        "the tangent planes give a radius of {radius_m} m: the limbs are exchanged, or are not of one rod"
     )]
     NegativeRadius { radius_m: f64 },
 }
@@ -108,13 +110,15 @@ impl TangentPair {
     ///
     ///   n₀ = (n₊ + n₋)/(2 cos α), p̂ = (n₊ − n₋)/(2 sin α), d = n₋ × n₊ / sin 2α
     ///
-    /// `None` if the planes coincide.
+    /// `None` if the planes coincide. The rod must be seen under less than a right angle (D > √2 r): nearer, turning the
+    /// normals alike is no longer unique.
     pub fn one_view(n_a: &Vec3, n_b: &Vec3, seen: &Vec3) -> Option<OneView> {
         let n_a = *n_a;
         let n_b = if n_a.dot(n_b) < 0.0 { -n_b } else { *n_b };
         let difference = n_a - n_b;
         let sin = 0.5 * difference.norm();
-        if sin < 1e-12 {
+        // `!(…)` refuses NaN too.
+        if !(sin >= 1e-12) {
             return None;
         }
         let a_is_plus = difference.dot(seen) > 0.0;
@@ -136,7 +140,8 @@ impl Cylinder {
         let d = self.axis.direction;
         let q = self.axis.foot(centre_m) - centre_m;
         let distance = q.norm();
-        if distance <= self.radius_m {
+        // `!(…)` refuses NaN too.
+        if !(distance > self.radius_m) {
             return None;
         }
         let towards = q / distance;
@@ -170,10 +175,12 @@ impl Cylinder {
     /// The cylinder that touches three or more planes, at least three of them in two or more views.
     ///
     /// The direction is the right singular vector of the normals; then `n·p − s r = n·C`, `d·p = 0` is linear in (p, r).
-    /// With a known radius the system keeps full rank for a rod parallel to the baseline, and two views of one limb suffice.
+    /// With a known radius the system keeps full rank for a rod parallel to the baseline, and two views of one limb, or
+    /// one view of both, suffice. The rows `d·p = 0` and `r = known` weigh as much as all planes together, so that
+    /// giving every plane twice changes nothing.
     ///
     /// # Errors
-    /// Too few planes, a position that is not observable, or a negative radius.
+    /// Too few planes, numbers that are not finite, a position that is not observable, or a radius that is not positive.
     pub fn from_tangent_planes(
         planes: &[TangentPlane],
         known_radius_m: Option<f64>,
@@ -184,6 +191,19 @@ impl Cylinder {
                 needed,
                 found: planes.len(),
             });
+        }
+        let finite = |p: &TangentPlane| {
+            let sum = p.normal + p.centre_m;
+            sum.iter().all(|v| v.is_finite())
+        };
+        // The eigenvalue iteration below would not end on NaN.
+        if let Some(index) = planes.iter().position(|p| !finite(p)) {
+            return Err(CylinderError::NotFinite { index });
+        }
+        if let Some(radius_m) = known_radius_m
+            && !(radius_m > 0.0 && radius_m.is_finite())
+        {
+            return Err(CylinderError::NegativeRadius { radius_m });
         }
         let scatter = planes
             .iter()
@@ -198,9 +218,9 @@ impl Cylinder {
         // Distances are taken from the mean centre, so that d·p = 0 does not put p far away.
         let origin = planes.iter().map(|p| p.centre_m).sum::<Vec3>() / planes.len() as f64;
         let (mut normal_matrix, mut right_side) = (Matrix4::zeros(), Vector4::zeros());
-        let mut add = |row: Vector4<f64>, value: f64| {
-            normal_matrix += row * row.transpose();
-            right_side += row * value;
+        let mut add = |weight: f64, row: Vector4<f64>, value: f64| {
+            normal_matrix += row * row.transpose() * weight;
+            right_side += row * (value * weight);
         };
         for plane in planes {
             let (n, s, c) = (
@@ -209,13 +229,14 @@ impl Cylinder {
                 plane.normal.dot(&(plane.centre_m - origin)),
             );
             match known_radius_m {
-                None => add(Vector4::new(n.x, n.y, n.z, -s), c),
-                Some(radius_m) => add(Vector4::new(n.x, n.y, n.z, 0.0), c + s * radius_m),
+                None => add(1.0, Vector4::new(n.x, n.y, n.z, -s), c),
+                Some(radius_m) => add(1.0, Vector4::new(n.x, n.y, n.z, 0.0), c + s * radius_m),
             }
         }
-        add(direction.push(0.0), 0.0);
+        let all = planes.len() as f64;
+        add(all, direction.push(0.0), 0.0);
         if let Some(radius_m) = known_radius_m {
-            add(Vector4::w(), radius_m);
+            add(all, Vector4::w(), radius_m);
         }
         let eigen = normal_matrix.symmetric_eigen();
         let conditioning = libm::sqrt((eigen.eigenvalues.min() / eigen.eigenvalues.max()).max(0.0));

@@ -39,7 +39,8 @@ impl PaperGrasp {
     pub fn new(axis: &Line3, origin_m: &Vec3, direction: &Vec3) -> Result<Self, GraspError> {
         let (d, ray) = (axis.direction, direction.normalize());
         let sin = d.cross(&ray).norm();
-        if sin < 1e-9 {
+        // `!(…)` refuses NaN too: a ray of no length.
+        if !(sin >= 1e-9) {
             return Err(GraspError::Parallel { angle_rad: sin });
         }
         let w = axis.point_m - origin_m;
@@ -60,7 +61,8 @@ impl PaperGrasp {
 }
 
 /// The foot, on the axis, of the first point where a ray from outside meets the surface: the primary grasp point. It differs from the
-/// paper's by r cot ψ along the rod, ψ the angle between ray and axis. `None` if the ray misses the cylinder or meets it
+/// paper's by r cot ψ along the rod, ψ the angle between ray and axis, where the ray meets the axis (√(r² − gap²) cot ψ where
+/// it passes it at a distance). `None` if the ray misses the cylinder or meets it
 /// behind its origin.
 pub fn surface_foot(cylinder: &Cylinder, origin_m: &Vec3, direction: &Vec3) -> Option<Vec3> {
     let ray = direction.normalize();

@@ -42,6 +42,8 @@ pub struct Image {
 pub enum ImageError {
     #[error("expected 1 or 3 channels, found {found}")]
     Channels { found: u8 },
+    #[error("expected an image, found {width_px}×{height_px} px")]
+    Empty { width_px: u32, height_px: u32 },
     #[error("expected {width_px}×{height_px}×{channels} samples, found {found}")]
     Length {
         width_px: u32,
@@ -65,7 +67,7 @@ impl Image {
     /// An image from its samples.
     ///
     /// # Errors
-    /// A channel count other than 1 or 3, or a wrong number of samples.
+    /// A channel count other than 1 or 3, no pixels, or a wrong number of samples.
     pub fn new(
         width_px: u32,
         height_px: u32,
@@ -75,7 +77,15 @@ impl Image {
         if !matches!(channels, 1 | 3) {
             return Err(ImageError::Channels { found: channels });
         }
-        if samples.len() != width_px as usize * height_px as usize * channels as usize {
+        if width_px == 0 || height_px == 0 {
+            return Err(ImageError::Empty {
+                width_px,
+                height_px,
+            });
+        }
+        // In 128 bits: three channels of the largest sizes overflow 64.
+        let expected = u128::from(width_px) * u128::from(height_px) * u128::from(channels);
+        if samples.len() as u128 != expected {
             return Err(ImageError::Length {
                 width_px,
                 height_px,
@@ -145,5 +155,26 @@ impl StereoPair {
         check("left", &left, &rig.left)?;
         check("right", &right, &rig.right)?;
         Ok(Self { rig, left, right })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn image_refuses_what_is_none() {
+        let image = |w, h, c, n| Image::new(w, h, c, Samples::U8(vec![0; n])).map(|_| ());
+        assert_eq!(image(2, 3, 3, 18), Ok(()));
+        assert_eq!(image(2, 3, 4, 24), Err(ImageError::Channels { found: 4 }));
+        assert!(matches!(
+            image(2, 3, 1, 5),
+            Err(ImageError::Length { found: 5, .. })
+        ));
+        assert!(matches!(image(0, 3, 1, 0), Err(ImageError::Empty { .. })));
+        assert!(matches!(
+            image(u32::MAX, u32::MAX, 3, 1),
+            Err(ImageError::Length { .. })
+        ));
     }
 }

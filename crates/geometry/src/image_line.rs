@@ -18,8 +18,14 @@ pub struct ImageLine {
 impl ImageLine {
     /// A line with its angle brought into (−π/2, π/2]; turning the normal round changes the sign of ρ.
     pub fn new(rho_px: f64, theta_rad: f64) -> Self {
-        let turns = libm::ceil((theta_rad - FRAC_PI_2) / PI);
-        let theta = theta_rad - turns * PI;
+        let mut turns = libm::ceil((theta_rad - FRAC_PI_2) / PI);
+        let mut theta = theta_rad - turns * PI;
+        // Rounding may have left it just outside.
+        if theta > FRAC_PI_2 {
+            (theta, turns) = (theta - PI, turns + 1.0);
+        } else if theta <= -FRAC_PI_2 {
+            (theta, turns) = (theta + PI, turns - 1.0);
+        }
         Self {
             rho_px: if libm::fmod(turns, 2.0) == 0.0 {
                 rho_px

@@ -2,6 +2,7 @@
 
 use core::f64::consts::PI;
 
+use super::first_fold;
 use crate::Vec3;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,12 +15,7 @@ pub(super) struct KannalaBrandt {
 impl KannalaBrandt {
     pub(super) fn new(k: [f64; 4]) -> Self {
         let mut model = Self { k, fold_rad: PI };
-        if let Some(fold_rad) = (1..=4096)
-            .map(|i| PI * f64::from(i) / 4096.0)
-            .find(|&theta| model.slope(theta) <= 0.0)
-        {
-            model.fold_rad = fold_rad;
-        }
+        model.fold_rad = first_fold(PI, |theta| model.slope(theta));
         model
     }
 
@@ -36,10 +32,11 @@ impl KannalaBrandt {
     pub(super) fn project(&self, point_m: &Vec3) -> Option<(f64, f64)> {
         let r = libm::hypot(point_m.x, point_m.y);
         let theta = libm::atan2(r, point_m.z);
-        if theta >= self.fold_rad {
+        // The camera's own centre has no direction; `!(…)` refuses NaN too.
+        if !(theta < self.fold_rad) || (r == 0.0 && point_m.z <= 0.0) {
             return None;
         }
-        // On the axis θ'/r tends to 1/z.
+        // On the axis x is zero, and so is its image.
         let scale = if r > 0.0 {
             self.distorted(theta) / r
         } else {
@@ -55,7 +52,7 @@ impl KannalaBrandt {
             return Some(Vec3::z());
         }
         let (mut low, mut high) = (0.0, self.fold_rad);
-        if self.distorted(high) < wanted {
+        if !(wanted <= self.distorted(high)) {
             return None;
         }
         let mut theta = wanted.min(0.5 * high);
@@ -66,16 +63,17 @@ impl KannalaBrandt {
             } else {
                 low = theta;
             }
-            let newton = theta - error / self.slope(theta);
-            let next = if newton > low && newton < high {
+            let step = error / self.slope(theta);
+            // Before the bracket: at the root a step too small to move θ must not be taken for one that leaves it.
+            if step.abs() <= 2e-16 * theta {
+                break;
+            }
+            let newton = theta - step;
+            theta = if newton > low && newton < high {
                 newton
             } else {
                 0.5 * (low + high)
             };
-            if (next - theta).abs() <= 1e-16 * theta {
-                break;
-            }
-            theta = next;
         }
         let (sin, cos) = libm::sincos(theta);
         Some(Vec3::new(xd / wanted * sin, yd / wanted * sin, cos))
