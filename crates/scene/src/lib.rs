@@ -18,6 +18,8 @@ mod check;
 mod error;
 mod file;
 mod model;
+mod parts;
+mod placement;
 mod resolve;
 mod rod;
 mod write;

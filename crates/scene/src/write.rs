@@ -8,7 +8,7 @@ use crate::file::{
     LampEntry, LobeEntry, PhaseEntry, PlainSensorEntry, RodEntry, SamplingEntry, SceneFile,
     SeabedEntry, SensorEntry, TargetEntry, WaterEntry,
 };
-use crate::{EdgeSampling, Exposure, Lamp, Material, Rod, Scene, SceneError, Sensor};
+use crate::{EdgeSampling, Exposure, Lamp, Material, Rod, Scene, Sensor};
 
 impl SceneFile {
     /// The file that describes a scene with nothing left to look up: the rig inline, the water by its numbers. A scene that
@@ -75,16 +75,8 @@ impl SceneFile {
     }
 
     /// The text of the file.
-    ///
-    /// # Errors
-    /// A seed beyond TOML's signed 64-bit integers.
-    pub fn to_toml(&self) -> Result<String, SceneError> {
-        toml::to_string(self).map_err(|error| SceneError::Value {
-            path: format!("scene \"{}\"", self.id),
-            key: "seed".to_owned(),
-            expected: format!("at most {}, or TOML cannot hold it", i64::MAX),
-            found: format!("{} ({error})", self.seed),
-        })
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("plain numbers, strings and paths always serialise")
     }
 }
 

@@ -1,0 +1,72 @@
+//! What only the whole scene can tell: rods behind the cameras, cameras and lamps where they cannot be.
+
+use rodsight_geometry::Eye;
+
+use crate::error::Complaints;
+use crate::{Scene, SceneError};
+
+/// The first thing that is where it cannot be.
+pub(crate) fn check_placement(scene: &Scene, no: &Complaints<'_>) -> Result<(), SceneError> {
+    for (k, rod) in scene.rods.iter().enumerate() {
+        for eye in Eye::BOTH {
+            if rod.contains(&scene.rig.eye(eye).rig_from_camera.origin_m()) {
+                return Err(no.value(
+                    format!("rod[{k}]"),
+                    "no camera inside a rod",
+                    format!("the {} camera inside \"{}\"", eye.name(), rod.id),
+                ));
+            }
+        }
+        if let Some(lamp) = scene.lamps.iter().position(|l| rod.contains(&l.position_m)) {
+            return Err(no.value(
+                format!("lamp[{lamp}].position_m"),
+                "no lamp inside a rod",
+                format!("it inside rod[{k}] (\"{}\")", rod.id),
+            ));
+        }
+        // How far the rod reaches in front of a camera; 64 points and the radius bound a bent one closely enough.
+        let reach_m = Eye::BOTH.map(|eye| {
+            let camera_from_rig = scene.rig.eye(eye).rig_from_camera.inverse();
+            (0..=64)
+                .map(|j| {
+                    let along_m = rod.length_m * (f64::from(j) / 64.0 - 0.5);
+                    camera_from_rig.point(&rod.axis_at(along_m).0).z + rod.radius_m
+                })
+                .fold(f64::NEG_INFINITY, f64::max)
+        });
+        if reach_m.iter().all(|&z| z <= 0.0) {
+            return Err(no.value(
+                format!("rod[{k}]"),
+                "a rod in front of at least one camera",
+                format!(
+                    "\"{}\" wholly behind both: its foremost point at z = {:.3} m of the left camera, {:.3} m of the right",
+                    rod.id, reach_m[0], reach_m[1]
+                ),
+            ));
+        }
+    }
+    if let Some(seabed) = scene.seabed {
+        for eye in Eye::BOTH {
+            let z_m = scene.rig.eye(eye).rig_from_camera.origin_m().z;
+            if z_m >= seabed.z_m {
+                return Err(no.value(
+                    "seabed.z_m",
+                    format!("below the {} camera, > {z_m}", eye.name()),
+                    seabed.z_m,
+                ));
+            }
+        }
+        let z_m = scene.rods[scene.target.rod]
+            .axis_at(scene.target.along_m)
+            .0
+            .z;
+        if z_m >= seabed.z_m {
+            return Err(no.value(
+                "target",
+                format!("a grasp above the seabed, z < {}", seabed.z_m),
+                format!("z = {z_m}"),
+            ));
+        }
+    }
+    Ok(())
+}
