@@ -1,1 +1,68 @@
-//! stub
+//! Ground-truth stereo pairs of rods under water.
+//!
+//! [`Renderer::render`] takes a validated [`Scene`] to a [`Frame`]: linear radiance with every truth channel, per eye.
+//! [`develop`] turns radiance into the images a sensor would give, [`Truth::of`] writes down what is to be found in them, and
+//! [`write_pair`] puts all of it on disk.
+//!
+//! Every sample is a camera ray; rods are analytic capped cylinders, never tessellated, so that a label and its image agree to
+//! the last hundredth of a pixel. The only backend in this version is [`CpuRenderer`], `f64`, the reference for all others.
+
+mod cpu;
+mod develop;
+mod frame;
+mod lattice;
+mod noise;
+mod srgb;
+mod truth;
+mod write;
+
+pub use cpu::CpuRenderer;
+pub use develop::{Developed, develop};
+pub use frame::{EyeFrame, Frame, PixelTruth};
+pub use lattice::edge_offsets;
+pub use noise::Philox;
+pub use srgb::{srgb_decode, srgb_encode};
+pub use truth::{ConeTruth, EyeTruth, GraspTruth, LineTruth, RodTruth, Truth, WaterTruth};
+pub use write::{PairPaths, read_image, write_image, write_pair};
+
+use rodsight_scene::Scene;
+
+/// A way to render scenes.
+pub trait Renderer {
+    /// Short name of the backend, as it stands in every record: "cpu", "gpu".
+    fn backend(&self) -> &'static str;
+
+    /// The machine part it runs on, as it stands in every record.
+    fn adapter(&self) -> String;
+
+    /// Renders both eyes. `progress` is told the fraction done, from any thread.
+    ///
+    /// # Errors
+    /// What the scene asks for and this backend cannot do.
+    fn render(&self, scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Result<Frame, RenderError>;
+}
+
+/// Why a scene was not rendered or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the messages say it")]
+pub enum RenderError {
+    #[error(
+        "scene \"{scene}\": {feature} is not implemented by the {backend} backend of this version; {instead}"
+    )]
+    Unsupported {
+        scene: String,
+        backend: &'static str,
+        feature: &'static str,
+        instead: &'static str,
+    },
+    #[error(
+        "scene \"{scene}\": no light reaches the cameras, so no exposure can be found; set exposure.gain or add a lamp"
+    )]
+    Dark { scene: String },
+    #[error("{}: {message}", path.display())]
+    Io {
+        path: std::path::PathBuf,
+        message: String,
+    },
+}

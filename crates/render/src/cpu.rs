@@ -1,0 +1,333 @@
+//! The reference backend: `f64`, all cores, the same bytes on every machine.
+//!
+//! A pixel away from edges takes one ray through its centre; a pixel near an edge of instance, face, shadow or depth takes all
+//! samples of the edge pattern. Random numbers have no part in it.
+
+mod light;
+mod seabed;
+pub(crate) mod solid;
+pub(crate) mod world;
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use rayon::prelude::*;
+use rodsight_geometry::{Eye, MountedCamera, Pixel};
+use rodsight_optics::{Bands, transmittance};
+use rodsight_scene::{Mode, Scene};
+
+use crate::frame::{EyeFrame, Frame, PixelTruth};
+use crate::lattice::{edge_offsets, pixel_shift};
+use crate::{RenderError, Renderer};
+use solid::{Face, Ray};
+use world::{Hit, Thing, World};
+
+/// The `f64` reference renderer.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CpuRenderer;
+
+impl Renderer for CpuRenderer {
+    fn backend(&self) -> &'static str {
+        "cpu"
+    }
+
+    fn adapter(&self) -> String {
+        format!(
+            "{} ({} threads)",
+            std::env::consts::ARCH,
+            rayon::current_num_threads()
+        )
+    }
+
+    fn render(&self, scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Result<Frame, RenderError> {
+        Ok(Frame {
+            left: self.render_eye(scene, Eye::Left, &|done| progress(done / 2.0))?,
+            right: self.render_eye(scene, Eye::Right, &|done| progress(0.5 + done / 2.0))?,
+            backend: self.backend(),
+            adapter: self.adapter(),
+        })
+    }
+}
+
+impl CpuRenderer {
+    /// Renders one eye.
+    ///
+    /// # Errors
+    /// Mode `full`, which needs the halo and the snow that this version does not have.
+    pub fn render_eye(
+        &self,
+        scene: &Scene,
+        eye: Eye,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<EyeFrame, RenderError> {
+        if scene.mode == Mode::Full {
+            return Err(RenderError::Unsupported {
+                scene: scene.id.clone(),
+                backend: self.backend(),
+                feature: "mode \"full\" (forward-scatter halo and marine snow)",
+                instead: "set mode to \"single\"",
+            });
+        }
+        let world = World::new(scene);
+        let caster = Caster {
+            world: &world,
+            mounted: *scene.rig.eye(eye),
+            other: *scene.rig.eye(match eye {
+                Eye::Left => Eye::Right,
+                Eye::Right => Eye::Left,
+            }),
+            eye,
+        };
+        Ok(caster.render(progress))
+    }
+}
+
+/// Casts the rays of one eye.
+struct Caster<'a> {
+    world: &'a World<'a>,
+    mounted: MountedCamera,
+    other: MountedCamera,
+    eye: Eye,
+}
+
+/// What must be alike in neighbouring pixels for one sample to do.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct EdgeKey {
+    instance: u16,
+    cap: bool,
+    lit_by: u32,
+    /// A limb passes nearby although the centre ray does not tell.
+    grazes: bool,
+}
+
+/// Neighbouring pixels of one rod whose depths differ by more than this fraction are an edge of it against itself.
+const DEPTH_STEP: f64 = 0.02;
+
+impl Caster<'_> {
+    fn render(&self, progress: &(dyn Fn(f64) + Sync)) -> EyeFrame {
+        let i = *self.mounted.camera.intrinsics();
+        let (width, height) = (i.width_px as usize, i.height_px as usize);
+        let rows_done = AtomicU32::new(0);
+        let tick = || {
+            let done = rows_done.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(f64::from(done) / (2.0 * f64::from(i.height_px)));
+        };
+
+        let mut pixels = vec![PixelTruth::default(); width * height];
+        let mut keys = vec![EdgeKey::default(); width * height];
+        pixels
+            .par_chunks_mut(width)
+            .zip(keys.par_chunks_mut(width))
+            .enumerate()
+            .for_each(|(row, (pixels, keys))| {
+                for (column, (pixel, key)) in pixels.iter_mut().zip(keys).enumerate() {
+                    (*pixel, *key) =
+                        self.centre(&Pixel::new(column as f64 + 0.5, row as f64 + 0.5));
+                }
+                tick();
+            });
+
+        let depths: Vec<f32> = pixels.iter().map(|pixel| pixel.range_m).collect();
+        let pattern = self.world.scene.sampling.edge;
+        let offsets = edge_offsets(pattern);
+        pixels
+            .par_chunks_mut(width)
+            .enumerate()
+            .for_each(|(row, pixels)| {
+                let rows = row.saturating_sub(1)..(row + 2).min(height);
+                for (column, pixel) in pixels.iter_mut().enumerate() {
+                    let columns = column.saturating_sub(1)..(column + 2).min(width);
+                    let here = row * width + column;
+                    let mut around = rows
+                        .clone()
+                        .flat_map(|r| columns.clone().map(move |c| r * width + c));
+                    if keys[here].grazes || around.any(|there| is_edge(&keys, &depths, here, there))
+                    {
+                        let shift = pixel_shift(pattern, column as u32, row as u32);
+                        self.average(
+                            pixel,
+                            &Pixel::new(column as f64, row as f64),
+                            &offsets,
+                            shift,
+                        );
+                    }
+                }
+                tick();
+            });
+        EyeFrame {
+            width_px: i.width_px,
+            height_px: i.height_px,
+            pixels,
+        }
+    }
+
+    /// The ray through a pixel. Every pixel of the image has one: `Camera::new` refuses lenses for which that is not so.
+    fn ray(&self, pixel: &Pixel) -> Option<Ray> {
+        let (origin_m, direction) = self.mounted.ray(pixel)?;
+        Some(Ray {
+            origin_m,
+            direction,
+        })
+    }
+
+    /// Everything about the ray through a pixel's centre.
+    fn centre(&self, pixel: &Pixel) -> (PixelTruth, EdgeKey) {
+        let Some(ray) = self.ray(pixel) else {
+            return (PixelTruth::default(), EdgeKey::default());
+        };
+        let hit = self.world.hit(&ray);
+        let surface = self.light_of(&ray, hit.as_ref());
+        let backscatter = self.world.backscatter(&ray, surface.range_m);
+        let camera_from_rig = self.mounted.rig_from_camera.inverse();
+        let mut truth = PixelTruth {
+            depth_m: f32::INFINITY,
+            range_m: f32::INFINITY,
+            disparity_px: f32::INFINITY,
+            ..PixelTruth::default()
+        };
+        let mut key = EdgeKey {
+            lit_by: surface.lit_by,
+            // Half a diagonal of the pixel, with some to spare for distorted rays.
+            grazes: self
+                .world
+                .grazes_a_limb(&ray, 1.5 * self.world.footprint_rad()),
+            ..EdgeKey::default()
+        };
+        if let Some(hit) = hit {
+            let point = ray.at(hit.t_m);
+            let in_camera = camera_from_rig.point(&point);
+            let seen_by_other = self.other.project(&point);
+            truth.depth_m = in_camera.z as f32;
+            truth.range_m = hit.t_m as f32;
+            truth.normal = camera_from_rig
+                .direction(&hit.normal)
+                .map(|v| v as f32)
+                .into();
+            truth.instance = hit.thing.instance();
+            truth.material = hit.thing.material();
+            if let Some(there) = seen_by_other {
+                truth.disparity_px = match self.eye {
+                    Eye::Left => pixel.x - there.x,
+                    Eye::Right => there.x - pixel.x,
+                } as f32;
+            }
+            truth.occluded = !seen_by_other.is_some_and(|there| self.other.camera.contains(&there))
+                || self
+                    .world
+                    .is_hidden(&point, &self.other.rig_from_camera.origin_m());
+            key.instance = hit.thing.instance();
+            key.cap = hit.face == Face::Cap;
+        }
+        store(&mut truth, &surface, &backscatter);
+        (truth, key)
+    }
+
+    /// The light that leaves what a ray hits, after its way to the camera.
+    fn light_of(&self, ray: &Ray, hit: Option<&Hit>) -> Sample {
+        let Some(hit) = hit else {
+            let background = if self.world.scene.mode == Mode::Air {
+                self.world.scene.background_radiance
+            } else {
+                [0.0; 3]
+            };
+            return Sample {
+                direct: background,
+                clean: background,
+                transmission: [0.0; 3],
+                range_m: f64::INFINITY,
+                lit_by: 0,
+                thing: None,
+            };
+        };
+        let surface = self.world.surface(ray, hit);
+        let transmission = transmittance(&self.world.attenuation_per_m, hit.t_m);
+        Sample {
+            direct: core::array::from_fn(|k| surface.wet[k] * transmission[k]),
+            clean: surface.dry,
+            transmission,
+            range_m: hit.t_m,
+            lit_by: surface.lit_by,
+            thing: Some(hit.thing),
+        }
+    }
+
+    /// Replaces a pixel's light by the mean over its samples. Light from surfaces is taken at every sample; light from the water,
+    /// smooth but for the length of the ray, once for each thing seen in the pixel, at its mean distance.
+    fn average(
+        &self,
+        truth: &mut PixelTruth,
+        corner: &Pixel,
+        offsets: &[[f64; 2]],
+        shift: [f64; 2],
+    ) {
+        let mut mean = Sample::default();
+        let mut things: Vec<(Option<Thing>, f64, f64)> = Vec::with_capacity(4);
+        let wrapped = |offset: f64| if offset < 1.0 { offset } else { offset - 1.0 };
+        for &[du, dv] in offsets {
+            let inside = Pixel::new(wrapped(du + shift[0]), wrapped(dv + shift[1]));
+            let Some(ray) = self.ray(&(corner + inside)) else {
+                continue;
+            };
+            let sample = self.light_of(&ray, self.world.hit(&ray).as_ref());
+            for k in 0..3 {
+                mean.direct[k] += sample.direct[k];
+                mean.clean[k] += sample.clean[k];
+                mean.transmission[k] += sample.transmission[k];
+            }
+            match things.iter_mut().find(|(thing, ..)| *thing == sample.thing) {
+                Some((_, count, range)) => {
+                    (*count, *range) = (*count + 1.0, *range + sample.range_m)
+                }
+                None => things.push((sample.thing, 1.0, sample.range_m)),
+            }
+        }
+        let share = 1.0 / offsets.len() as f64;
+        for light in [&mut mean.direct, &mut mean.clean, &mut mean.transmission] {
+            *light = light.map(|sum| sum * share);
+        }
+        let mut backscatter = [0.0; 3];
+        if let Some(ray) = self.ray(&Pixel::new(corner.x + 0.5, corner.y + 0.5)) {
+            for (_, count, range_sum) in things {
+                let scattered = self.world.backscatter(&ray, range_sum / count);
+                for k in 0..3 {
+                    backscatter[k] += scattered[k] * count * share;
+                }
+            }
+        }
+        store(truth, &mean, &backscatter);
+    }
+}
+
+/// What one ray brings.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sample {
+    direct: Bands,
+    clean: Bands,
+    transmission: Bands,
+    range_m: f64,
+    lit_by: u32,
+    thing: Option<Thing>,
+}
+
+fn store(truth: &mut PixelTruth, sample: &Sample, backscatter: &Bands) {
+    let single = |bands: &Bands| bands.map(|v| v as f32);
+    truth.radiance = core::array::from_fn(|k| (sample.direct[k] + backscatter[k]) as f32);
+    truth.direct = single(&sample.direct);
+    truth.backscatter = single(backscatter);
+    truth.clean = single(&sample.clean);
+    truth.transmission = single(&sample.transmission);
+}
+
+fn is_edge(keys: &[EdgeKey], ranges: &[f32], here: usize, there: usize) -> bool {
+    let (a, b) = (
+        EdgeKey {
+            grazes: false,
+            ..keys[here]
+        },
+        EdgeKey {
+            grazes: false,
+            ..keys[there]
+        },
+    );
+    let step = f64::from((ranges[here] - ranges[there]).abs());
+    a != b || (a.instance >= 2 && step > DEPTH_STEP * f64::from(ranges[here]))
+}

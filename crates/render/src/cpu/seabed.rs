@@ -1,0 +1,54 @@
+//! The sea floor: a plane with a band-limited procedural albedo.
+
+use rodsight_geometry::Vec3;
+use rodsight_scene::Seabed;
+
+use super::solid::Ray;
+
+/// Distance along a ray to the floor; `None` if it never gets there.
+pub(super) fn hit(seabed: &Seabed, ray: &Ray) -> Option<f64> {
+    let t = (seabed.z_m - ray.origin_m.z) / ray.direction.z;
+    (t > 0.0 && t.is_finite()).then_some(t)
+}
+
+/// Albedo at a point of the floor, seen with samples `footprint_m` apart: octaves of value noise finer than two samples are left
+/// out, so that one sample a pixel does not alias.
+pub(super) fn albedo(seabed: &Seabed, seed: u64, point_m: &Vec3, footprint_m: f64) -> [f64; 3] {
+    let mut relief = 0.0;
+    let (mut wavelength, mut amplitude) = (seabed.texture_scale_m, 0.5);
+    for octave in 0..8 {
+        let fade = (wavelength / (2.0 * footprint_m) - 1.0).clamp(0.0, 1.0);
+        if fade == 0.0 {
+            break;
+        }
+        relief += fade
+            * amplitude
+            * value_noise(seed, octave, point_m.x / wavelength, point_m.y / wavelength);
+        wavelength *= 0.5;
+        amplitude *= 0.6;
+    }
+    let factor = (1.0 + seabed.texture_contrast * relief).max(0.0);
+    seabed.albedo.map(|a| (a * factor).min(1.0))
+}
+
+/// Smooth noise in [−1, 1] with a node at every integer.
+fn value_noise(seed: u64, octave: u32, x: f64, y: f64) -> f64 {
+    let (x0, y0) = (libm::floor(x), libm::floor(y));
+    let smooth = |s: f64| s * s * s * (s * (6.0 * s - 15.0) + 10.0);
+    let (sx, sy) = (smooth(x - x0), smooth(y - y0));
+    let node = |i: f64, j: f64| hash(seed, octave, (x0 + i) as i64, (y0 + j) as i64);
+    let row = |j: f64| node(0.0, j) * (1.0 - sx) + node(1.0, j) * sx;
+    row(0.0) * (1.0 - sy) + row(1.0) * sy
+}
+
+/// A number in [−1, 1) for a node (finaliser of SplitMix64).
+fn hash(seed: u64, octave: u32, i: i64, j: i64) -> f64 {
+    let mut z = seed
+        ^ u64::from(octave).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+        ^ (i as u64).wrapping_mul(0xBF58_476D_1CE4_E5B9)
+        ^ (j as u64).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^= z >> 31;
+    (z >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}

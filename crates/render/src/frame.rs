@@ -1,0 +1,73 @@
+//! What a renderer returns.
+
+use rodsight_geometry::Eye;
+
+/// Both eyes of one scene, before the sensor.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// The left eye.
+    pub left: EyeFrame,
+    /// The right eye.
+    pub right: EyeFrame,
+    /// Backend that rendered it.
+    pub backend: &'static str,
+    /// What it ran on.
+    pub adapter: String,
+}
+
+impl Frame {
+    /// The frame of an eye.
+    pub fn eye(&self, eye: Eye) -> &EyeFrame {
+        match eye {
+            Eye::Left => &self.left,
+            Eye::Right => &self.right,
+        }
+    }
+}
+
+/// One eye: shape `[height, width]`, row-major.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EyeFrame {
+    /// Width, px.
+    pub width_px: u32,
+    /// Height, px.
+    pub height_px: u32,
+    /// The pixels.
+    pub pixels: Vec<PixelTruth>,
+}
+
+impl EyeFrame {
+    /// The pixel in a column and row.
+    pub fn at(&self, column: u32, row: u32) -> &PixelTruth {
+        &self.pixels[row as usize * self.width_px as usize + column as usize]
+    }
+}
+
+/// Light and truth of one pixel. Light is the mean over the pixel; geometry is that of the ray through its centre.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PixelTruth {
+    /// Radiance that reaches the lens, W m⁻² sr⁻¹ per band: `direct + backscatter`.
+    pub radiance: [f32; 3],
+    /// Light from the surface that was not scattered, W m⁻² sr⁻¹.
+    pub direct: [f32; 3],
+    /// Light scattered by the water on its way from lamps and ambient, W m⁻² sr⁻¹.
+    pub backscatter: [f32; 3],
+    /// The same surface without water, W m⁻² sr⁻¹.
+    pub clean: [f32; 3],
+    /// Beam transmission from the surface to the lens, [0, 1]; 0 where there is no surface.
+    pub transmission: [f32; 3],
+    /// Unit normal of the surface in the camera frame; zero where there is none.
+    pub normal: [f32; 3],
+    /// z in the camera frame, m; +∞ where there is no surface.
+    pub depth_m: f32,
+    /// Distance along the ray, m; +∞ where there is no surface.
+    pub range_m: f32,
+    /// `u_left − u_right` of this surface point, px; +∞ where there is no surface or the other eye looks away from it.
+    pub disparity_px: f32,
+    /// 0 nothing, 1 seabed, 2 + index of the rod.
+    pub instance: u16,
+    /// 0 nothing, 1 seabed, 2 rod.
+    pub material: u16,
+    /// The other eye does not see this surface point: hidden or outside its image.
+    pub occluded: bool,
+}

@@ -1,0 +1,98 @@
+//! Scenes the tests share, built in code so that a change of the shipped scenes moves no test.
+#![expect(
+    unreachable_pub,
+    reason = "each test binary compiles this module for itself"
+)]
+#![allow(
+    dead_code,
+    clippy::allow_attributes,
+    reason = "no test binary uses all of it"
+)]
+
+use rodsight_geometry::{
+    Camera, Distortion, Eye, Intrinsics, MountedCamera, Pose, Rig, Vec3, radians, rotation_from_rpy,
+};
+use rodsight_optics::Medium;
+use rodsight_scene::{
+    EdgeSampling, Exposure, Lamp, Material, Mode, Rod, Sampling, Scene, Sensor, Target,
+};
+
+/// The founding rig at a fraction 1/`shrink` of its resolution.
+pub fn rig(shrink: u32) -> Rig {
+    let scale = f64::from(shrink);
+    let intrinsics = Intrinsics {
+        width_px: 1920 / shrink,
+        height_px: 1080 / shrink,
+        fx_px: 1566.5776 / scale,
+        fy_px: 1566.5776 / scale,
+        cx_px: 960.0 / scale,
+        cy_px: 540.0 / scale,
+    };
+    let camera = Camera::new(intrinsics, Distortion::None).unwrap();
+    let mounted = |y_m: f64| MountedCamera {
+        camera,
+        rig_from_camera: Pose::new(
+            rotation_from_rpy(radians(90.0), 0.0, radians(90.0)),
+            Vec3::new(0.0, y_m, -1.0),
+        ),
+    };
+    Rig {
+        left: mounted(-0.5),
+        right: mounted(0.5),
+    }
+}
+
+/// Nothing but a rig in a vacuum.
+pub fn empty(shrink: u32) -> Scene {
+    Scene {
+        id: "test".to_owned(),
+        seed: 1,
+        rig: rig(shrink),
+        mode: Mode::Air,
+        water_label: "vacuum".to_owned(),
+        medium: Medium::vacuum(),
+        ambient_radiance: [0.0; 3],
+        background_radiance: [0.0; 3],
+        lamps: Vec::new(),
+        rods: Vec::new(),
+        seabed: None,
+        exposure: Exposure::Fixed(1.0),
+        sensor: Sensor::Plain {
+            noise_sigma_dn: 0.0,
+        },
+        bits: 16,
+        sampling: Sampling {
+            edge: EdgeSampling::Fibonacci { points: 233 },
+            airlight_points: 16,
+        },
+        target: Target {
+            rod: 0,
+            along_m: 0.0,
+            pick_eye: Eye::Left,
+        },
+    }
+}
+
+/// A straight rod that is not lit but shines.
+pub fn flat_rod(centre_m: Vec3, direction: Vec3, radius_m: f64) -> Rod {
+    Rod {
+        id: "rod".to_owned(),
+        centre_m,
+        direction: direction.normalize(),
+        length_m: 8.0,
+        radius_m,
+        bend: None,
+        material: Material::Flat([0.8, 0.5, 0.2]),
+    }
+}
+
+/// A lamp that shines everywhere.
+pub fn bare_lamp(position_m: Vec3, radiant_intensity_w_per_sr: [f64; 3]) -> Lamp {
+    Lamp {
+        position_m,
+        direction: Vec3::x(),
+        radiant_intensity_w_per_sr,
+        inner_half_angle_rad: core::f64::consts::PI,
+        outer_half_angle_rad: core::f64::consts::PI,
+    }
+}
