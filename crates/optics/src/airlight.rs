@@ -17,7 +17,7 @@ const NEAREST_M: f64 = 1e-3;
 /// With h the distance of the lamp from the ray and t₀ the ray's point nearest to it, t = t₀ + h tan θ and
 /// dt/r² = dθ/h: the 1/r² of the lamp cancels exactly, and equal steps in θ are what is left to sum. In θ everything else
 /// is simple too: r = h/cos θ, cos μ = −sin θ. The sine and cosine go from node to node by addition of angles.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct EquiAngular {
     nearest_t_m: f64,
     distance_to_ray_m: f64,

@@ -104,7 +104,6 @@ impl Phase {
     /// The first number out of its range.
     pub fn validate(&self) -> Result<(), PhaseError> {
         match self {
-            Self::Isotropic => Ok(()),
             Self::HenyeyGreensteinSum(lobes) => {
                 if lobes.is_empty() {
                     return Err(PhaseError::NoLobes);
@@ -132,7 +131,7 @@ impl Phase {
             &Self::FournierForand {
                 junge_slope: found, ..
             } if !(found > 3.0 && found < 5.0) => Err(PhaseError::JungeSlope { found }),
-            Self::FournierForand { .. } => Ok(()),
+            Self::Isotropic | Self::FournierForand { .. } => Ok(()),
         }
     }
 
@@ -211,11 +210,10 @@ impl LobeBlock {
 
     #[inline]
     fn value_per_sr(&self, one_minus_cos: f64) -> f64 {
-        let mut p = [0.0; 4];
-        for k in 0..4 {
+        let p: [f64; 4] = core::array::from_fn(|k| {
             let x = self.offset[k] + self.slope[k] * one_minus_cos;
-            p[k] = self.amplitude[k] / (x * x.sqrt());
-        }
+            self.amplitude[k] / (x * x.sqrt())
+        });
         (p[0] + p[1]) + (p[2] + p[3])
     }
 }
@@ -247,6 +245,9 @@ impl Evaluator {
     }
 }
 
+/// δ = 1 is removable, but what is left of (1−δ)² beside it is noise: it is crossed on a chord of this half width.
+const GAP: f64 = 1e-3;
+
 /// Constants of a Fournier–Forand function: δ = 4 sin²(θ/2) / (3(n − 1)²), ν = (3 − μ)/2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FournierForand {
@@ -274,8 +275,6 @@ impl FournierForand {
         // The forward direction itself is an integrable singularity; 1e-12 is 8e-5°.
         let sin2_half = (0.5 * (1.0 - cos_theta)).max(1e-12);
         let delta = self.delta_180 * sin2_half;
-        // δ = 1 is removable, but what is left of (1−δ)² is noise: cross it on a chord.
-        const GAP: f64 = 1e-3;
         let forward = if (delta - 1.0).abs() < GAP {
             let share = (delta - (1.0 - GAP)) / (2.0 * GAP);
             (1.0 - share) * self.forward(1.0 - GAP) + share * self.forward(1.0 + GAP)
