@@ -3,7 +3,7 @@
 //! Derivations: tangent planes n± = cos α n₀ ± sin α p̂, sin α = r/D, with d the axis direction, p̂ the unit vector from the
 //! camera centre perpendicular to the axis, n₀ = p̂ × d, D the distance of the centre to the axis.
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{SMatrix, SVector};
 
 use crate::{Camera, CameraFrame, ImageLine, Line3, Pose, RigFrame, Vec3};
 
@@ -196,7 +196,7 @@ impl Cylinder {
             let sum = p.normal + p.centre_m;
             sum.iter().all(|v| v.is_finite())
         };
-        // The eigenvalue iteration below would not end on NaN.
+        // The iterations below would not end on NaN.
         if let Some(index) = planes.iter().position(|p| !finite(p)) {
             return Err(CylinderError::NotFinite { index });
         }
@@ -205,48 +205,36 @@ impl Cylinder {
         {
             return Err(CylinderError::NegativeRadius { radius_m });
         }
-        let scatter = planes
-            .iter()
-            .map(|p| p.normal * p.normal.transpose())
-            .sum::<crate::Mat3>();
-        let eigen = scatter.symmetric_eigen();
-        let direction = eigen
-            .eigenvectors
-            .column(eigen.eigenvalues.imin())
-            .into_owned();
+        let normals = triangular(planes.iter().map(|p| p.normal));
+        let direction = least_right_vector(&normals);
 
         // Distances are taken from the mean centre, so that d·p = 0 does not put p far away.
         let origin = planes.iter().map(|p| p.centre_m).sum::<Vec3>() / planes.len() as f64;
-        let (mut normal_matrix, mut right_side) = (Matrix4::zeros(), Vector4::zeros());
-        let mut add = |weight: f64, row: Vector4<f64>, value: f64| {
-            normal_matrix += row * row.transpose() * weight;
-            right_side += row * (value * weight);
-        };
+        let all = (planes.len() as f64).sqrt();
+        let mut rows: Vec<SVector<f64, 5>> = Vec::with_capacity(planes.len() + 2);
         for plane in planes {
-            let (n, s, c) = (
-                plane.normal,
-                plane.side.sign(),
-                plane.normal.dot(&(plane.centre_m - origin)),
-            );
-            match known_radius_m {
-                None => add(1.0, Vector4::new(n.x, n.y, n.z, -s), c),
-                Some(radius_m) => add(1.0, Vector4::new(n.x, n.y, n.z, 0.0), c + s * radius_m),
-            }
+            let (n, s) = (plane.normal, plane.side.sign());
+            let c = n.dot(&(plane.centre_m - origin));
+            rows.push(match known_radius_m {
+                None => SVector::from([n.x, n.y, n.z, -s, c]),
+                Some(radius_m) => SVector::from([n.x, n.y, n.z, 0.0, c + s * radius_m]),
+            });
         }
-        let all = planes.len() as f64;
-        add(all, direction.push(0.0), 0.0);
+        rows.push(SVector::from([direction.x, direction.y, direction.z, 0.0, 0.0]) * all);
         if let Some(radius_m) = known_radius_m {
-            add(all, Vector4::w(), radius_m);
+            rows.push(SVector::from([0.0, 0.0, 0.0, 1.0, radius_m]) * all);
         }
-        let eigen = normal_matrix.symmetric_eigen();
-        let conditioning = libm::sqrt((eigen.eigenvalues.min() / eigen.eigenvalues.max()).max(0.0));
-        if conditioning < 1e-7 {
-            return Err(CylinderError::Degenerate { conditioning });
-        }
-        let solution = eigen.eigenvectors
-            * (eigen.eigenvectors.transpose() * right_side).component_div(&eigen.eigenvalues);
+        // Not the normal equations: they would square the conditioning.
+        let system = triangular(rows.into_iter());
+        let matrix = system.fixed_view::<4, 4>(0, 0).into_owned();
+        let values = matrix.singular_values();
+        let conditioning = values.min() / values.max();
+        let solution = (conditioning >= 1e-7)
+            .then(|| matrix.solve_upper_triangular(&system.fixed_view::<4, 1>(0, 4)))
+            .flatten()
+            .ok_or(CylinderError::Degenerate { conditioning })?;
         let radius_m = solution.w;
-        if radius_m <= 0.0 {
+        if !(radius_m > 0.0) {
             return Err(CylinderError::NegativeRadius { radius_m });
         }
         let axis = Line3 {
@@ -300,4 +288,50 @@ impl Cylinder {
         (norm > 1e-12)
             .then(|| (self.axis.point_m - origin_m).dot(&m) / norm - side.sign() * self.radius_m)
     }
+}
+
+/// The upper triangle R of a QR decomposition, row by row with Givens rotations: `Rᵀ R = Σ row rowᵀ` without squaring.
+fn triangular<const N: usize>(rows: impl Iterator<Item = SVector<f64, N>>) -> SMatrix<f64, N, N> {
+    let mut r = SMatrix::<f64, N, N>::zeros();
+    for mut row in rows {
+        for k in 0..N {
+            let length = libm::hypot(r[(k, k)], row[k]);
+            if length == 0.0 {
+                continue;
+            }
+            let (cos, sin) = (r[(k, k)] / length, row[k] / length);
+            for column in k..N {
+                let (a, b) = (r[(k, column)], row[column]);
+                r[(k, column)] = cos * a + sin * b;
+                row[column] = cos * b - sin * a;
+            }
+        }
+    }
+    r
+}
+
+/// The right singular vector of the smallest singular value of a triangle, by inverse iteration: nalgebra decomposes 3×3
+/// matrices by way of `Rᵀ R`, which squares the conditioning.
+fn least_right_vector(r: &crate::Mat3) -> Vec3 {
+    let mut vector = r
+        .svd(false, true)
+        .v_t
+        .expect("the right singular vectors were asked for")
+        .row(2)
+        .transpose();
+    // A perturbation of rounding size makes exact data invertible.
+    let floor = (1e-16 * r.norm()).max(f64::MIN_POSITIVE);
+    let diagonal = r.diagonal();
+    let mut invertible = *r;
+    invertible.set_diagonal(&diagonal.map(|x| if x.abs() < floor { floor } else { x }));
+    for _ in 0..3 {
+        let back = invertible
+            .tr_solve_upper_triangular(&vector)
+            .and_then(|y| invertible.solve_upper_triangular(&y));
+        match back {
+            Some(next) if next.norm().is_finite() => vector = next.normalize(),
+            _ => break,
+        }
+    }
+    vector
 }
