@@ -7,7 +7,7 @@
 
 use rodsight_geometry::Vec3;
 
-use crate::{Bands, Medium, transmittance};
+use crate::{Bands, Medium, exponential};
 
 /// The lamp's distance from the ray is never taken smaller, m: a ray through the lamp itself has no finite answer.
 const NEAREST_M: f64 = 1e-3;
@@ -132,6 +132,19 @@ fn any_perpendicular(direction: &Vec3) -> Vec3 {
     direction.cross(&axis).normalize()
 }
 
+/// Nodes that are worked out together. They are a ray's lit nodes in order, four by four, so that a sum does not depend on
+/// what else is rendered.
+const LANES: usize = 4;
+
+/// Lit nodes that wait for company; the lanes beyond `filled` carry no light.
+#[derive(Clone, Copy, Debug, Default)]
+struct Block {
+    filled: usize,
+    light: [f64; LANES],
+    cos_scatter: [f64; LANES],
+    path_m: [f64; LANES],
+}
+
 /// The airlight of lamps in a medium.
 #[derive(Clone, Copy, Debug)]
 pub struct Airlight<'a> {
@@ -166,18 +179,36 @@ impl Airlight<'_> {
         }
         let nodes = EquiAngular::new(lamp_from_origin, direction, distance_m, self.points);
         let weight = nodes.weight_per_m();
-        let mut sum = [0.0; 3];
+        let mut block = Block::default();
+        let mut sum = [[0.0; LANES]; 3];
         for node in nodes {
             let light = emitted(&node.from_lamp, node.t_m);
             if light == 0.0 {
                 continue;
             }
-            let source = light * self.medium.phase_per_sr(node.cos_scatter);
-            let left = transmittance(&self.attenuation_per_m, node.r_m + node.t_m);
-            for k in 0..3 {
-                sum[k] += source * left[k];
+            block.light[block.filled] = light;
+            block.cos_scatter[block.filled] = node.cos_scatter;
+            block.path_m[block.filled] = node.r_m + node.t_m;
+            block.filled += 1;
+            if block.filled == LANES {
+                self.add(&block, &mut sum);
+                block = Block::default();
             }
         }
+        if block.filled > 0 {
+            self.add(&block, &mut sum);
+        }
+        let sum = sum.map(|[a, b, c, d]| (a + b) + (c + d));
         core::array::from_fn(|k| scattering[k] * weight * sum[k])
+    }
+
+    #[inline]
+    fn add(&self, block: &Block, sum: &mut [[f64; LANES]; 3]) {
+        let phase = self.medium.phases_per_sr(&block.cos_scatter);
+        let source: [f64; LANES] = core::array::from_fn(|j| block.light[j] * phase[j]);
+        for (sum, attenuation) in sum.iter_mut().zip(self.attenuation_per_m) {
+            let left = exponential::exp(&block.path_m.map(|path| -attenuation * path));
+            *sum = core::array::from_fn(|j| sum[j] + source[j] * left[j]);
+        }
     }
 }

@@ -1,25 +1,23 @@
-//! The exponential of three bands at once.
+//! The exponential of several numbers at once.
 //!
-//! The scattering integral is little else than exponentials, and `libm::exp` takes them one by one with branches. Here the
-//! bands go through additions and multiplications side by side, which every machine rounds alike.
-
-use crate::Bands;
+//! The scattering integral is little else than exponentials, and `libm::exp` takes them one by one with branches. Here they
+//! go through additions and multiplications side by side, which every machine rounds alike.
 
 /// 1.5 · 2⁵²: adding it rounds a small number to an integer, which is then in the low bits of the sum.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 /// ln 2 in two pieces; the first has 32 significant bits, so that its product with an exponent is exact.
-const LN_2_HIGH: f64 = 6.931_471_803_691_238_2e-1;
+const LN_2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
-/// e^x of each band, x ≤ 0, within 1e-15 of itself; below −708, where `f64` ends, it is as if x were −708 (3e-308).
+/// e^x of each, x ≤ 0, within 1e-15 of itself; below −708, where `f64` ends, it is as if x were −708 (3e-308).
 ///
 ///   x = k ln 2 + r, |r| ≤ ½ ln 2;  e^x = 2^k Σ rⁿ/n!
 #[inline]
-pub(crate) fn exp(x: &Bands) -> Bands {
+pub(crate) fn exp<const N: usize>(x: &[f64; N]) -> [f64; N] {
     x.map(exp_1)
 }
 
-#[inline(always)]
+#[inline]
 fn exp_1(x: f64) -> f64 {
     let x = if x < -708.0 { -708.0 } else { x };
     let shifted = x * core::f64::consts::LOG2_E + ROUND;

@@ -99,6 +99,11 @@ impl Medium {
         self.evaluator.value_per_sr(cos_theta)
     }
 
+    #[inline]
+    pub(crate) fn phases_per_sr<const N: usize>(&self, cos_theta: &[f64; N]) -> [f64; N] {
+        self.evaluator.values_per_sr(cos_theta)
+    }
+
     /// c = a + b: the loss of an unscattered beam.
     pub fn beam_attenuation_per_m(&self) -> Bands {
         self.attenuation_per_m(1.0)

@@ -176,45 +176,29 @@ impl Phase {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Evaluator {
     Isotropic,
-    Lobes(Box<[LobeBlock]>),
+    Lobes(Box<[LobeConstants]>),
     FournierForand(FournierForand),
 }
 
-/// Lobes side by side, so that the square roots and divisions of four go through the machine together. The places that are
-/// not needed have amplitude 0.
+/// A lobe's constants.
 ///
 ///   p(θ) = Σ wᵢ (1 − gᵢ²) / (4π xᵢ √xᵢ),  xᵢ = (1 − gᵢ)² + 2gᵢ (1 − cos θ)
 ///
 /// The printed 1 + g² − 2g cos θ cancels for g near 1, just where the lobe is highest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LobeBlock {
-    amplitude: [f64; 4],
-    offset: [f64; 4],
-    slope: [f64; 4],
+pub(crate) struct LobeConstants {
+    amplitude: f64,
+    offset: f64,
+    slope: f64,
 }
 
-impl LobeBlock {
-    fn new(lobes: &[Lobe]) -> Self {
-        let mut block = Self {
-            amplitude: [0.0; 4],
-            offset: [1.0; 4],
-            slope: [0.0; 4],
-        };
-        for (k, &Lobe { weight, g }) in lobes.iter().enumerate() {
-            block.amplitude[k] = weight * (1.0 - g * g) / (4.0 * PI);
-            block.offset[k] = (1.0 - g) * (1.0 - g);
-            block.slope[k] = 2.0 * g;
+impl LobeConstants {
+    fn new(&Lobe { weight, g }: &Lobe) -> Self {
+        Self {
+            amplitude: weight * (1.0 - g * g) / (4.0 * PI),
+            offset: (1.0 - g) * (1.0 - g),
+            slope: 2.0 * g,
         }
-        block
-    }
-
-    #[inline]
-    fn value_per_sr(&self, one_minus_cos: f64) -> f64 {
-        let p: [f64; 4] = core::array::from_fn(|k| {
-            let x = self.offset[k] + self.slope[k] * one_minus_cos;
-            self.amplitude[k] / (x * x.sqrt())
-        });
-        (p[0] + p[1]) + (p[2] + p[3])
     }
 }
 
@@ -223,7 +207,7 @@ impl Evaluator {
         match phase {
             Phase::Isotropic => Self::Isotropic,
             Phase::HenyeyGreensteinSum(lobes) => {
-                Self::Lobes(lobes.chunks(4).map(LobeBlock::new).collect())
+                Self::Lobes(lobes.iter().map(LobeConstants::new).collect())
             }
             &Phase::FournierForand {
                 refractive_index,
@@ -234,13 +218,25 @@ impl Evaluator {
 
     #[inline]
     pub(crate) fn value_per_sr(&self, cos_theta: f64) -> f64 {
+        self.values_per_sr(&[cos_theta])[0]
+    }
+
+    /// Several angles side by side: the square roots and divisions, which are most of the cost, go through the machine
+    /// together.
+    #[inline]
+    pub(crate) fn values_per_sr<const N: usize>(&self, cos_theta: &[f64; N]) -> [f64; N] {
         match self {
-            Self::Isotropic => 0.25 / PI,
-            Self::Lobes(blocks) => blocks
-                .iter()
-                .map(|block| block.value_per_sr(1.0 - cos_theta))
-                .sum(),
-            Self::FournierForand(p) => p.value_per_sr(cos_theta),
+            Self::Isotropic => [0.25 / PI; N],
+            Self::Lobes(lobes) => {
+                let mut p = [0.0; N];
+                for lobe in lobes {
+                    let x = cos_theta.map(|cos| lobe.offset + lobe.slope * (1.0 - cos));
+                    let term = x.map(|x| lobe.amplitude / (x * x.sqrt()));
+                    p = core::array::from_fn(|k| p[k] + term[k]);
+                }
+                p
+            }
+            Self::FournierForand(p) => cos_theta.map(|cos| p.value_per_sr(cos)),
         }
     }
 }

@@ -6,7 +6,7 @@ use rodsight_geometry::Vec3;
 use rodsight_optics::{Airlight, EquiAngular, Medium, Phase, water};
 
 fn medium(phase: Phase) -> Medium {
-    Medium::new([0.2, 0.1, 0.05], [0.4, 0.45, 0.5], phase).unwrap()
+    Medium::new([0.2, 0.1, 0.05], [0.4, 0.45, 0.5], phase).expect("a valid medium")
 }
 
 fn airlight(medium: &Medium, points: u32) -> Airlight<'_> {
@@ -27,10 +27,10 @@ fn special_f(u: f64, v: f64) -> f64 {
     v / (3.0 * f64::from(n)) * (value(0) + sum + value(n))
 }
 
-/// Airlight of a lamp with an isotropic phase function (Sun et al. 2005): with D_s the lamp's distance, γ its angle off
-/// the ray and h = D_s sin γ,
+/// Airlight of a lamp with an isotropic phase function (Sun et al. 2005): with S the lamp's distance, γ its angle off
+/// the ray and h = S sin γ,
 ///
-///   L = b e^(−c D_s cos γ) / (2π h) [F(c h, π/4 + ½ atan((D − D_s cos γ)/h)) − F(c h, γ/2)]
+///   L = b e^(−c S cos γ) / (2π h) [F(c h, π/4 + ½ atan((D − S cos γ)/h)) − F(c h, γ/2)]
 fn sun_2005(b: f64, c: f64, lamp: &Vec3, direction: &Vec3, distance_m: f64) -> f64 {
     let along = lamp.dot(direction);
     let h = (lamp - direction * along).norm();

@@ -7,7 +7,7 @@ use rodsight_optics::{Lobe, Medium, MediumError, Phase, PhaseError};
 /// 2π ∫ p f sin θ dθ with 1 − cos θ = 2y⁸, fine enough for the sharpest peak here.
 fn integral(phase: &Phase, f: impl Fn(f64) -> f64) -> f64 {
     // One medium, so that constants are worked out once.
-    let medium = Medium::new([0.0; 3], [1.0; 3], phase.clone()).unwrap();
+    let medium = Medium::new([0.0; 3], [1.0; 3], phase.clone()).expect("a valid phase");
     let points = 200_000;
     (0..points)
         .map(|k| {
@@ -92,8 +92,11 @@ fn petzold() -> Vec<(f64, f64)> {
         .lines()
         .filter(|line| !line.starts_with('#'))
         .map(|line| {
-            let (angle, p) = line.split_once(',').unwrap();
-            (angle.parse().unwrap(), p.parse().unwrap())
+            let (angle, p) = line.split_once(',').expect("two columns");
+            (
+                angle.parse().expect("a number"),
+                p.parse().expect("a number"),
+            )
         })
         .collect()
 }

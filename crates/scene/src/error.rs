@@ -1,5 +1,6 @@
 //! Why a scene file is no scene.
 
+use std::fmt::Display;
 use std::path::Path;
 
 use rodsight_geometry::RigError;
@@ -66,7 +67,7 @@ fn key_at(text: &str, line: usize) -> Option<String> {
                 Some((_, count)) => *count += 1,
                 None => arrays.push((name, 1)),
             }
-            table = name.to_owned();
+            name.clone_into(&mut table);
         } else if let Some(name) = row.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
             // Inside an array of arrays this is a row of numbers, not a table.
             if name.0.starts_with(|c: char| c.is_ascii_alphabetic()) {
@@ -100,7 +101,7 @@ impl Complaints<'_> {
         &self,
         key: impl Into<String>,
         expected: impl Into<String>,
-        found: impl ToString,
+        found: impl Display,
     ) -> SceneError {
         SceneError::Value {
             path: self.path.display().to_string(),

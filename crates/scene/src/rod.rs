@@ -10,6 +10,11 @@ use crate::{Bend, Material, Rod, SceneError};
 /// The most an axis may be bent, sagitta over length: a half circle is at 0.318.
 const MAX_BEND: f64 = 0.3;
 
+const GIVEN_BY: &str = "from_m and to_m, or centre_m, direction and length_m";
+
+/// Middle, direction there, length, bend.
+type Axis = (Vec3, Vec3, f64, Option<Bend>);
+
 impl RodEntry {
     pub(crate) fn to_rod(&self, no: &Complaints<'_>, key: &str) -> Result<Rod, SceneError> {
         let sub = |name: &str| format!("{key}.{name}");
@@ -17,60 +22,12 @@ impl RodEntry {
             return Err(no.value(sub("id"), "a name", "\"\""));
         }
         let radius_m = no.positive(&sub("radius_m"), self.radius_m)?;
-        let (centre_m, direction, length_m, bend) = match self.ends(no, key)? {
-            Some((from, to)) => {
-                let chord = to - from;
-                let length_m = chord.norm();
-                if !(length_m > 1e-9 && length_m.is_finite()) {
-                    let found = list(to.into());
-                    return Err(no.value(sub("to_m"), "a point other than from_m", found));
-                }
-                let (middle, direction) = ((from + to) * 0.5, chord / length_m);
-                match self.bend {
-                    None => (middle, direction, length_m, None),
-                    Some(entry) => {
-                        let towards = entry.towards(no, key, &direction)?;
-                        let sagitta_m = no.positive(&sub("bend.sagitta_m"), entry.sagitta_m)?;
-                        // The ends stay where they are; the middle goes away from the arc's centre.
-                        let half_angle = 2.0 * libm::atan2(2.0 * sagitta_m, length_m);
-                        let radius_m = (0.25 * length_m * length_m + sagitta_m * sagitta_m)
-                            / (2.0 * sagitta_m);
-                        (
-                            middle - towards * sagitta_m,
-                            direction,
-                            2.0 * radius_m * half_angle,
-                            Some(Bend { sagitta_m, towards }),
-                        )
-                    }
-                }
-            }
-            None => {
-                let missing = |name: &str| {
-                    no.value(
-                        sub(name),
-                        "from_m and to_m, or centre_m, direction and length_m",
-                        "nothing",
-                    )
-                };
-                let centre = self.centre_m.ok_or_else(|| missing("centre_m"))?;
-                let direction = self.direction.ok_or_else(|| missing("direction"))?;
-                let length = self.length_m.ok_or_else(|| missing("length_m"))?;
-                let direction = no.direction(&sub("direction"), direction)?;
-                let bend = match self.bend {
-                    None => None,
-                    Some(entry) => Some(Bend {
-                        sagitta_m: no.positive(&sub("bend.sagitta_m"), entry.sagitta_m)?,
-                        towards: entry.towards(no, key, &direction)?,
-                    }),
-                };
-                (
-                    no.point(&sub("centre_m"), centre)?,
-                    direction,
-                    no.positive(&sub("length_m"), length)?,
-                    bend,
-                )
-            }
+        let axis = if let Some((from, to)) = self.ends(no, key)? {
+            self.axis_between(no, key, from, to)?
+        } else {
+            self.axis_around_centre(no, key)?
         };
+        let (centre_m, direction, length_m, bend) = axis;
         let rod = Rod {
             id: self.id.clone(),
             centre_m,
@@ -99,20 +56,65 @@ impl RodEntry {
         Ok(rod)
     }
 
+    fn axis_between(
+        &self,
+        no: &Complaints<'_>,
+        key: &str,
+        from: Vec3,
+        to: Vec3,
+    ) -> Result<Axis, SceneError> {
+        let chord = to - from;
+        let chord_m = chord.norm();
+        if !(chord_m > 1e-9 && chord_m.is_finite()) {
+            let found = list(to.into());
+            return Err(no.value(format!("{key}.to_m"), "a point other than from_m", found));
+        }
+        let (middle, direction) = ((from + to) * 0.5, chord / chord_m);
+        let Some(entry) = self.bend else {
+            return Ok((middle, direction, chord_m, None));
+        };
+        // The ends stay where they are; the middle goes away from the arc's centre.
+        let bend = entry.to_bend(no, key, &direction)?;
+        let sagitta_m = bend.sagitta_m;
+        let half_angle = 2.0 * libm::atan2(2.0 * sagitta_m, chord_m);
+        let arc_radius_m = (0.25 * chord_m * chord_m + sagitta_m * sagitta_m) / (2.0 * sagitta_m);
+        let centre_m = middle - bend.towards * sagitta_m;
+        Ok((
+            centre_m,
+            direction,
+            2.0 * arc_radius_m * half_angle,
+            Some(bend),
+        ))
+    }
+
+    fn axis_around_centre(&self, no: &Complaints<'_>, key: &str) -> Result<Axis, SceneError> {
+        let missing = |name: &str| no.value(format!("{key}.{name}"), GIVEN_BY, "nothing");
+        let centre = self.centre_m.ok_or_else(|| missing("centre_m"))?;
+        let direction = self.direction.ok_or_else(|| missing("direction"))?;
+        let length = self.length_m.ok_or_else(|| missing("length_m"))?;
+        let direction = no.direction(&format!("{key}.direction"), direction)?;
+        let bend = self.bend.map(|entry| entry.to_bend(no, key, &direction));
+        Ok((
+            no.point(&format!("{key}.centre_m"), centre)?,
+            direction,
+            no.positive(&format!("{key}.length_m"), length)?,
+            bend.transpose()?,
+        ))
+    }
+
     /// `from_m` and `to_m`, if the rod is given by them.
     fn ends(&self, no: &Complaints<'_>, key: &str) -> Result<Option<(Vec3, Vec3)>, SceneError> {
         let other = self.centre_m.is_some() || self.direction.is_some() || self.length_m.is_some();
-        let expected = "from_m and to_m, or centre_m, direction and length_m";
         match (self.from_m, self.to_m) {
-            (Some(_), _) | (_, Some(_)) if other => Err(no.value(key, expected, "some of both")),
+            (Some(_), _) | (_, Some(_)) if other => Err(no.value(key, GIVEN_BY, "some of both")),
             (Some(from), Some(to)) => Ok(Some((
                 no.point(&format!("{key}.from_m"), from)?,
                 no.point(&format!("{key}.to_m"), to)?,
             ))),
-            (Some(_), None) => Err(no.value(key, expected, "from_m only")),
-            (None, Some(_)) => Err(no.value(key, expected, "to_m only")),
+            (Some(_), None) => Err(no.value(key, GIVEN_BY, "from_m only")),
+            (None, Some(_)) => Err(no.value(key, GIVEN_BY, "to_m only")),
             (None, None) if other => Ok(None),
-            (None, None) => Err(no.value(key, expected, "none of them")),
+            (None, None) => Err(no.value(key, GIVEN_BY, "none of them")),
         }
     }
 
@@ -132,6 +134,13 @@ impl RodEntry {
 }
 
 impl BendEntry {
+    fn to_bend(self, no: &Complaints<'_>, key: &str, direction: &Vec3) -> Result<Bend, SceneError> {
+        Ok(Bend {
+            sagitta_m: no.positive(&format!("{key}.bend.sagitta_m"), self.sagitta_m)?,
+            towards: self.towards(no, key, direction)?,
+        })
+    }
+
     /// The unit vector perpendicular to the axis on the given side.
     fn towards(
         &self,

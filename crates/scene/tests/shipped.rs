@@ -29,7 +29,7 @@ fn shipped() -> Vec<(PathBuf, Scene)> {
 }
 
 fn scene(id: &str) -> Scene {
-    Scene::load(&scenes_dir().join(format!("{id}.toml"))).unwrap()
+    Scene::load(&scenes_dir().join(format!("{id}.toml"))).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
