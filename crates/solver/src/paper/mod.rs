@@ -1,0 +1,102 @@
+//! The paper's chain: stages that can be called one by one, and [`solve`], which calls them all.
+//!
+//! Cameras with distortion: edge points are found in the image as taken and then undistorted, so that every line lives in the
+//! undistorted image (same focal lengths and principal point). For a pinhole the two are the same.
+
+mod answer;
+mod canny;
+mod choose;
+mod covariance;
+mod eye;
+mod hough;
+mod locate;
+mod pair;
+mod params;
+mod refine;
+mod refusal;
+mod segment;
+
+use std::time::Instant;
+
+use rodsight_geometry::{Eye, ImageLine};
+
+use crate::{Estimate, Method, Request, Roi, SolveError};
+
+pub use canny::{EdgePoint, canny};
+pub use eye::undistort;
+pub use hough::{VotedLine, Votes, hough, peaks, vote};
+pub use locate::average;
+pub use pair::{Strip, strips};
+pub use params::{HueWindow, PaperParams, SegmentationMode, VoteThreshold};
+pub use refine::{Polarity, RefinedLine, refine};
+pub use refusal::Refusal;
+pub use segment::{Hsv, HueSource, Rule, binarise, learn, segment};
+
+/// Everything that happened on the way, for pictures.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// The left eye.
+    pub left: EyeTrace,
+    /// The right eye.
+    pub right: EyeTrace,
+}
+
+/// Everything that happened in one eye: the paper's Figure 6.
+#[derive(Clone, Debug)]
+pub struct EyeTrace {
+    /// The region looked at.
+    pub roi: Roi,
+    /// 0 or 255, shape `[roi.height, roi.width]`.
+    pub mask: Vec<u8>,
+    /// Canny's points, undistorted (Figure 6 a).
+    pub edges: Vec<EdgePoint>,
+    /// The accumulator.
+    pub votes: Votes,
+    /// Its lines, fullest first (Figure 6 b).
+    pub coarse: Vec<VotedLine>,
+    /// One entry per round of refinement (Figure 6 c, d).
+    pub refined: Vec<Vec<RefinedLine>>,
+    /// The two sides of the rod, if found.
+    pub limbs: Option<[ImageLine; 2]>,
+    /// What the method takes for the axis, if found.
+    pub centerline: Option<ImageLine>,
+}
+
+/// Locates the rod.
+///
+/// # Errors
+/// A malformed request or parameter. A rod that cannot be located is a refused [`Estimate`], not an error.
+pub fn solve(
+    request: &Request<'_>,
+    method: Method,
+    params: &PaperParams,
+) -> Result<Estimate, SolveError> {
+    solve_traced(request, method, params).map(|(estimate, _)| estimate)
+}
+
+/// As [`solve`], with everything that happened on the way.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_traced(
+    request: &Request<'_>,
+    method: Method,
+    params: &PaperParams,
+) -> Result<(Estimate, Trace), SolveError> {
+    params.validate()?;
+    request.validate()?;
+    let start = Instant::now();
+    let [left, right] = eye::see_both(request, params);
+    let (mut estimate, choice) = answer::answer(request, method, params, [&left, &right]);
+    estimate.timing_ms.total = milliseconds(start);
+    let lines = |k: usize| choice.as_ref().map(|c| c.strips[k].lines());
+    let trace = Trace {
+        left: left.into_trace(&request.pair.rig.eye(Eye::Left).camera, lines(0), method),
+        right: right.into_trace(&request.pair.rig.eye(Eye::Right).camera, lines(1), method),
+    };
+    Ok((estimate, trace))
+}
+
+fn milliseconds(since: Instant) -> f64 {
+    since.elapsed().as_secs_f64() * 1e3
+}

@@ -1,0 +1,202 @@
+//! A renderer of its own, so that the solver is not tested against the code it will be used with: the projection of a long
+//! cylinder is the wedge between its two tangent planes, painted by supersampling.
+#![allow(dead_code, reason = "each test file uses a part")]
+#![allow(
+    clippy::allow_attributes,
+    reason = "`expect` cannot say `in some of the files`"
+)]
+
+use rodsight_geometry::{
+    Camera, CameraFrame, Cylinder, Distortion, Eye, Image, Intrinsics, Line3, Mat3, MountedCamera,
+    Pixel, Pose, Rig, RigFrame, Samples, StereoPair, Vec3,
+};
+
+/// Colours in 0…1.
+pub const ORANGE: [f64; 3] = [0.85, 0.42, 0.08];
+pub const WATER: [f64; 3] = [0.10, 0.32, 0.45];
+
+/// The paper's rig: 1920×1080, 63° across, 1 m baseline, parallel axes.
+pub fn rig() -> Rig {
+    rig_of(1920, 1080, 1566.5776, Distortion::None)
+}
+
+/// The same field of view with fewer pixels.
+pub fn small_rig() -> Rig {
+    rig_of(640, 360, 1566.5776 / 3.0, Distortion::None)
+}
+
+pub fn rig_of(width_px: u32, height_px: u32, focal_px: f64, distortion: Distortion) -> Rig {
+    let intrinsics = Intrinsics {
+        width_px,
+        height_px,
+        fx_px: focal_px,
+        fy_px: focal_px,
+        cx_px: 0.5 * f64::from(width_px),
+        cy_px: 0.5 * f64::from(height_px),
+    };
+    let camera = Camera::new(intrinsics, distortion).unwrap();
+    let mounted = |y_m: f64| MountedCamera {
+        camera,
+        rig_from_camera: Pose::<RigFrame, CameraFrame>::new(
+            Mat3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0),
+            Vec3::new(0.0, y_m, -1.0),
+        ),
+    };
+    Rig {
+        left: mounted(-0.5),
+        right: mounted(0.5),
+    }
+}
+
+/// A rod through a point of the rig frame, given relative to the midpoint of the cameras (forward, starboard, down).
+pub fn rod(at: [f64; 3], direction: [f64; 3], radius_m: f64) -> Cylinder {
+    Cylinder {
+        axis: Line3::new(
+            Vec3::from(at) + Vec3::new(0.0, 0.0, -1.0),
+            &Vec3::from(direction),
+        ),
+        radius_m,
+    }
+}
+
+/// What to paint.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub rig: Rig,
+    pub rods: Vec<Cylinder>,
+    /// Half of the length that is painted, m; measured from the axis' reference point.
+    pub half_length_m: f64,
+    pub rod_colour: [f64; 3],
+    pub background: [f64; 3],
+    pub noise_sigma: f64,
+    pub seed: u64,
+    pub channels: u8,
+    pub bits: u8,
+    /// Samples per pixel and axis on the silhouettes.
+    pub samples: u32,
+}
+
+impl Scene {
+    pub fn new(rig: Rig, rods: Vec<Cylinder>) -> Self {
+        Self {
+            rig,
+            rods,
+            half_length_m: 50.0,
+            rod_colour: ORANGE,
+            background: WATER,
+            noise_sigma: 0.0,
+            seed: 1,
+            channels: 3,
+            bits: 8,
+            samples: 8,
+        }
+    }
+
+    pub fn pair(&self) -> StereoPair {
+        StereoPair::new(self.rig, self.image(Eye::Left), self.image(Eye::Right)).unwrap()
+    }
+
+    /// Whether a ray of an eye meets a rod within its length.
+    fn hit(&self, eye: Eye, u: f64, v: f64) -> bool {
+        let mounted = self.rig.eye(eye);
+        let Some((origin, direction)) = mounted.ray(&Pixel::new(u, v)) else {
+            return false;
+        };
+        self.rods.iter().any(|rod| {
+            rod.intersect(&origin, &direction).is_some_and(|(near, _)| {
+                let along = (origin + direction * near - rod.axis.point_m).dot(&rod.axis.direction);
+                near > 0.0 && along.abs() <= self.half_length_m
+            })
+        })
+    }
+
+    pub fn image(&self, eye: Eye) -> Image {
+        let i = *self.rig.eye(eye).camera.intrinsics();
+        let (width, height) = (i.width_px as usize, i.height_px as usize);
+        // The corners of all pixels first; only pixels whose corners differ are supersampled.
+        let corners: Vec<bool> = (0..=height)
+            .flat_map(|y| (0..=width).map(move |x| (x, y)))
+            .map(|(x, y)| self.hit(eye, x as f64, y as f64))
+            .collect();
+        let mut coverage = vec![0.0; width * height];
+        for y in 0..height {
+            for x in 0..width {
+                let at = |dx: usize, dy: usize| corners[(y + dy) * (width + 1) + x + dx];
+                let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+                coverage[y * width + x] = if four.iter().all(|c| *c == four[0]) {
+                    f64::from(u8::from(four[0]))
+                } else {
+                    let n = self.samples;
+                    let inside = (0..n * n)
+                        .filter(|k| {
+                            let (a, b) = (f64::from(k % n), f64::from(k / n));
+                            let step = 1.0 / f64::from(n);
+                            self.hit(
+                                eye,
+                                x as f64 + (a + 0.5) * step,
+                                y as f64 + (b + 0.5) * step,
+                            )
+                        })
+                        .count();
+                    inside as f64 / f64::from(n * n)
+                };
+            }
+        }
+        let mut random = Random::new(self.seed ^ if eye == Eye::Left { 0 } else { 0x5555_1234 });
+        let mut values = Vec::with_capacity(coverage.len() * self.channels as usize);
+        for c in coverage {
+            let colour: [f64; 3] =
+                core::array::from_fn(|k| c * self.rod_colour[k] + (1.0 - c) * self.background[k]);
+            let grey = 0.25 * (colour[0] + 2.0 * colour[1] + colour[2]);
+            let painted: &[f64] = if self.channels == 3 { &colour } else { &[grey] };
+            for value in painted {
+                let noise = if self.noise_sigma > 0.0 {
+                    self.noise_sigma * random.normal()
+                } else {
+                    0.0
+                };
+                values.push((value + noise).clamp(0.0, 1.0));
+            }
+        }
+        let samples = if self.bits == 8 {
+            Samples::U8(values.iter().map(|v| (v * 255.0 + 0.5) as u8).collect())
+        } else {
+            Samples::U16(values.iter().map(|v| (v * 65535.0 + 0.5) as u16).collect())
+        };
+        Image::new(i.width_px, i.height_px, self.channels, samples).unwrap()
+    }
+}
+
+/// SplitMix64 and a sum of twelve uniforms.
+#[derive(Debug)]
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    pub fn uniform(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / 9007199254740992.0
+    }
+
+    pub fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+}
+
+/// A pick at the image of a point on the axis.
+pub fn pick_at(rig: &Rig, eye: Eye, point_m: &Vec3) -> rodsight_solver::Pick {
+    rodsight_solver::Pick {
+        pixel: rig.eye(eye).project(point_m).unwrap(),
+        eye,
+    }
+}

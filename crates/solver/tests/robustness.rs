@@ -1,0 +1,499 @@
+//! Bad, odd and hostile pictures: an answer, a weaker answer that says so, or a refusal with the reason. Never a panic.
+
+#[allow(unreachable_pub, reason = "shared by test files")]
+mod common;
+
+use common::{Scene, pick_at, rig, rod, small_rig};
+use proptest::prelude::*;
+use rodsight_geometry::{Cylinder, Eye, Image, Line3, Pixel, Samples, StereoPair, Vec3};
+use rodsight_solver::{
+    Estimate, Method, PaperParams, Pick, Request, Roi, SegmentationMode, SolveError, Status, solve,
+    solve_traced,
+};
+
+fn truth() -> Cylinder {
+    rod([1.5, 0.05, 0.0], [0.3, 0.3, 1.0], 0.05)
+}
+
+fn scene() -> Scene {
+    Scene::new(small_rig(), vec![truth()])
+}
+
+fn bisector(request: &Request<'_>) -> Estimate {
+    solve(request, Method::PaperBisector, &PaperParams::default()).unwrap()
+}
+
+/// Distance of the estimated axis to the true reference point, m.
+fn offset_m(estimate: &Estimate, truth: &Cylinder) -> f64 {
+    let axis = estimate.axis.unwrap();
+    Line3::new(
+        axis.point_m.unwrap().into(),
+        &axis.direction.unwrap().into(),
+    )
+    .distance_m(&truth.axis.point_m)
+}
+
+fn refused(estimate: &Estimate, code: &str) {
+    assert_eq!(estimate.status, Status::Refused, "{estimate:?}");
+    assert_eq!(
+        estimate.observability.refusal.as_deref(),
+        Some(code),
+        "{:?}",
+        estimate.reason
+    );
+    assert!(estimate.axis.is_none_or(|a| a.point_m.is_none()) || code == "pick_off_rod");
+    assert!(estimate.grasp.is_none());
+}
+
+#[test]
+fn depths_bits_and_colours() {
+    for (channels, bits, noise) in [
+        (3, 8, 0.0),
+        (3, 16, 0.0),
+        (1, 8, 0.0),
+        (1, 16, 0.01),
+        (3, 8, 0.01),
+    ] {
+        let scene = Scene {
+            channels,
+            bits,
+            noise_sigma: noise,
+            ..scene()
+        };
+        let pair = scene.pair();
+        for pick in [
+            None,
+            Some(pick_at(&scene.rig, Eye::Left, &truth().axis.point_m)),
+        ] {
+            let mut request = Request::new(&pair);
+            request.pick = pick;
+            let estimate = bisector(&request);
+            assert_eq!(
+                estimate.status,
+                Status::Ok,
+                "{channels} {bits} {pick:?} {:?}",
+                estimate.reason
+            );
+            assert!(offset_m(&estimate, &truth()) < 3e-3);
+            let used = estimate.observability.left.segmentation.clone().unwrap();
+            assert_eq!(used.starts_with("luminance"), channels == 1, "{used}");
+            assert_eq!(estimate.grasp.is_some(), pick.is_some());
+            assert_eq!(
+                used.contains("no pick"),
+                channels == 3 && pick.is_none(),
+                "{used}"
+            );
+        }
+    }
+}
+
+#[test]
+fn luminance_of_a_dark_rod_and_of_a_grey_rod_in_colour() {
+    let mut scene = scene();
+    scene.rod_colour = [0.05, 0.05, 0.05];
+    scene.background = [0.6, 0.6, 0.6];
+    let pair = scene.pair();
+    let mut request = Request::new(&pair);
+    request.pick = Some(pick_at(&scene.rig, Eye::Left, &truth().axis.point_m));
+    let estimate = bisector(&request);
+    // No hue at all: luminance is used, and that is said.
+    assert_eq!(estimate.status, Status::Degraded);
+    assert!(
+        estimate.reason.as_ref().unwrap().contains("luminance"),
+        "{:?}",
+        estimate.reason
+    );
+    assert!(offset_m(&estimate, &truth()) < 3e-3);
+    let only_hue = PaperParams {
+        segmentation: SegmentationMode::Hue,
+        ..PaperParams::default()
+    };
+    refused(
+        &solve(&request, Method::Paper, &only_hue).unwrap(),
+        "hue_not_distinct",
+    );
+    let otsu = PaperParams {
+        segmentation: SegmentationMode::Otsu,
+        ..PaperParams::default()
+    };
+    assert_eq!(
+        solve(&request, Method::Paper, &otsu).unwrap().status,
+        Status::Ok
+    );
+}
+
+fn filled(value: impl Fn(usize) -> u8) -> Image {
+    Image::new(
+        640,
+        360,
+        3,
+        Samples::U8((0..640 * 360 * 3).map(value).collect()),
+    )
+    .unwrap()
+}
+
+#[test]
+fn blank_and_noise_are_refused() {
+    let mut random = common::Random::new(5);
+    let noise: Vec<u8> = (0..2 * 640 * 360 * 3)
+        .map(|_| random.next() as u8)
+        .collect();
+    let half = noise.len() / 2;
+    let images = [
+        [filled(|_| 0), filled(|_| 0)],
+        [filled(|_| 255), filled(|_| 255)],
+        [
+            filled(|i| [20, 90, 120][i % 3]),
+            filled(|i| [20, 90, 120][i % 3]),
+        ],
+        [filled(|i| noise[i]), filled(|i| noise[half + i])],
+    ];
+    for (k, [left, right]) in images.into_iter().enumerate() {
+        let pair = StereoPair::new(small_rig(), left, right).unwrap();
+        for pixel in [None, Some(Pixel::new(300.0, 200.0))] {
+            let mut request = Request::new(&pair);
+            request.pick = pixel.map(|pixel| Pick {
+                pixel,
+                eye: Eye::Right,
+            });
+            for segmentation in [
+                SegmentationMode::Auto,
+                SegmentationMode::Otsu,
+                SegmentationMode::Hue,
+            ] {
+                let params = PaperParams {
+                    segmentation,
+                    ..PaperParams::default()
+                };
+                for method in Method::ALL {
+                    let estimate = solve(&request, method, &params).unwrap();
+                    assert_eq!(estimate.status, Status::Refused, "{k}: {estimate:?}");
+                    assert!(estimate.reason.is_some_and(|r| !r.is_empty()));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn one_blank_eye_is_refused_and_named() {
+    let good = scene().pair();
+    let pair = StereoPair::new(
+        good.rig,
+        good.left.clone(),
+        filled(|i| [20, 90, 120][i % 3]),
+    )
+    .unwrap();
+    let mut request = Request::new(&pair);
+    request.pick = Some(pick_at(&pair.rig, Eye::Left, &truth().axis.point_m));
+    let estimate = bisector(&request);
+    refused(&estimate, "no_region");
+    assert!(estimate.reason.unwrap().starts_with("right image"));
+}
+
+#[test]
+fn swapped_images_are_refused() {
+    let good = scene().pair();
+    let pair = StereoPair::new(good.rig, good.right.clone(), good.left.clone()).unwrap();
+    refused(&bisector(&Request::new(&pair)), "behind");
+}
+
+#[test]
+fn pick_off_the_rod_is_refused() {
+    let scene = scene();
+    let pair = scene.pair();
+    let on = pick_at(&scene.rig, Eye::Left, &truth().axis.point_m);
+    for shift in [-150.0, 100.0] {
+        let mut request = Request::new(&pair);
+        request.pick = Some(Pick {
+            pixel: on.pixel + Pixel::new(shift, 0.0),
+            eye: Eye::Left,
+        });
+        let estimate = bisector(&request);
+        // Off the rod the pick shows background: either nothing stands out or the rod that does is far away.
+        assert_eq!(estimate.status, Status::Refused, "{estimate:?}");
+        assert!(estimate.grasp.is_none());
+        // With the hue given, the rod is found and the distance named.
+        let window = rodsight_solver::HueWindow {
+            from_deg: 5.0,
+            to_deg: 60.0,
+            min_saturation: 0.3,
+            min_value: 0.1,
+        };
+        let params = PaperParams {
+            hue_window: Some(window),
+            ..PaperParams::default()
+        };
+        refused(
+            &solve(&request, Method::Paper, &params).unwrap(),
+            "pick_off_rod",
+        );
+    }
+}
+
+#[test]
+fn two_rods_the_pick_chooses_and_without_one_the_doubt_is_told() {
+    let near = rod([1.5, -0.12, 0.0], [0.1, 0.2, 1.0], 0.04);
+    let far = rod([1.7, 0.2, 0.0], [0.1, 0.2, 1.0], 0.025);
+    let scene = Scene::new(small_rig(), vec![near, far]);
+    let pair = scene.pair();
+    for eye in Eye::BOTH {
+        for truth in [&near, &far] {
+            let mut request = Request::new(&pair);
+            request.pick = Some(pick_at(&scene.rig, eye, &truth.axis.point_m));
+            let estimate = bisector(&request);
+            assert_ne!(estimate.status, Status::Refused, "{:?}", estimate.reason);
+            assert!(
+                offset_m(&estimate, truth) < 4e-3,
+                "{eye:?} {}",
+                offset_m(&estimate, truth)
+            );
+        }
+    }
+    let estimate = bisector(&Request::new(&pair));
+    assert_eq!(
+        estimate.status,
+        Status::Degraded,
+        "{:?}",
+        estimate.observability
+    );
+    assert!(estimate.reason.unwrap().contains("another rod"));
+}
+
+#[test]
+fn two_rods_that_look_alike_are_never_matched_with_confidence() {
+    // Equally wide in both images: nothing but the other rod's existence tells that the match may be wrong.
+    let near = rod([1.5, -0.12, 0.0], [0.1, 0.2, 1.0], 0.04);
+    let far = rod([1.7, 0.2, 0.0], [0.1, 0.2, 1.0], 0.045);
+    let scene = Scene::new(small_rig(), vec![near, far]);
+    let pair = scene.pair();
+    for eye in Eye::BOTH {
+        for truth in [&near, &far] {
+            let mut request = Request::new(&pair);
+            request.pick = Some(pick_at(&scene.rig, eye, &truth.axis.point_m));
+            let estimate = bisector(&request);
+            assert_eq!(
+                estimate.status,
+                Status::Degraded,
+                "{:?}",
+                estimate.observability
+            );
+            assert!(estimate.reason.unwrap().contains("another rod"));
+        }
+    }
+}
+
+#[test]
+fn noise_sigma_of_a_tenth_never_gives_a_confident_wrong_answer() {
+    for seed in 0..6 {
+        let scene = Scene {
+            noise_sigma: 0.1,
+            seed,
+            ..scene()
+        };
+        let pair = scene.pair();
+        let mut request = Request::new(&pair);
+        request.pick = Some(pick_at(&scene.rig, Eye::Left, &truth().axis.point_m));
+        let estimate = bisector(&request);
+        if estimate.status != Status::Refused {
+            let sigma = estimate.observability.depth_sigma_m.unwrap();
+            let off = offset_m(&estimate, &truth());
+            assert!(
+                off < 4.0 * sigma.max(2e-3),
+                "{seed}: {off} {sigma} {:?}",
+                estimate.reason
+            );
+        }
+    }
+}
+
+#[test]
+fn the_same_request_gives_the_same_answer() {
+    let scene = Scene {
+        noise_sigma: 0.02,
+        ..scene()
+    };
+    let pair = scene.pair();
+    let mut request = Request::new(&pair);
+    request.pick = Some(pick_at(&scene.rig, Eye::Left, &truth().axis.point_m));
+    let first = bisector(&request);
+    for _ in 0..4 {
+        assert_eq!(bisector(&request), first);
+    }
+    let other = solve(&request, Method::Paper, &PaperParams::default()).unwrap();
+    assert_ne!(other, first, "equality must be able to fail");
+}
+
+#[test]
+fn the_trace_shows_every_stage() {
+    let pair = scene().pair();
+    let (estimate, trace) =
+        solve_traced(&Request::new(&pair), Method::Paper, &PaperParams::default()).unwrap();
+    assert_eq!(estimate.status, Status::Ok, "{:?}", estimate.reason);
+    for eye in [&trace.left, &trace.right] {
+        assert_eq!(eye.mask.len(), eye.roi.area_px());
+        assert!(eye.mask.iter().all(|m| matches!(m, 0 | 255)));
+        assert!(eye.edges.len() > 400 && eye.coarse.len() >= 2);
+        assert!(eye.votes.counts.iter().any(|v| *v > 0));
+        assert_eq!(eye.refined.len(), 2);
+        let limbs = eye.limbs.unwrap();
+        let middle = rodsight_solver::paper::average(&limbs);
+        assert_eq!(eye.centerline, Some(middle));
+    }
+}
+
+#[test]
+fn json_has_the_contract_and_comes_back() {
+    let scene = scene();
+    let pair = scene.pair();
+    let mut request = Request::new(&pair);
+    request.pick = Some(pick_at(&scene.rig, Eye::Left, &truth().axis.point_m));
+    let estimate = bisector(&request);
+    let json = serde_json::to_value(&estimate).unwrap();
+    let mut keys: Vec<&str> = json
+        .as_object()
+        .unwrap()
+        .keys()
+        .map(String::as_str)
+        .collect();
+    keys.sort_unstable();
+    assert_eq!(
+        keys,
+        [
+            "axis",
+            "centerlines",
+            "grasp",
+            "method",
+            "observability",
+            "radius_m",
+            "radius_sigma_m",
+            "reason",
+            "schema",
+            "status",
+            "timing_ms"
+        ]
+    );
+    assert_eq!(json["status"], "ok");
+    assert_eq!(json["method"], "paper-bisector");
+    assert!(json["reason"].is_null());
+    for key in ["point_m", "direction", "covariance"] {
+        assert!(json["axis"][key].is_array());
+    }
+    for key in ["point_m", "covariance_m2", "paper_point_m"] {
+        assert!(json["grasp"][key].is_array());
+    }
+    assert!(json["centerlines"]["right"]["theta_rad"].is_number());
+    assert!(json["timing_ms"]["total"].as_f64().unwrap() > 0.0);
+    let back: Estimate = serde_json::from_value(json).unwrap();
+    assert_eq!(back.status, estimate.status);
+    assert_eq!(back.centerlines.is_some(), estimate.centerlines.is_some());
+    // Others may leave out what they do not know.
+    let short: Estimate =
+        serde_json::from_str(r#"{"method": "theirs", "status": "refused"}"#).unwrap();
+    assert_eq!((short.axis, short.schema), (None, 1));
+}
+
+#[test]
+fn malformed_requests_are_errors_that_name_the_fault() {
+    let pair = scene().pair();
+    let message = |change: &dyn Fn(&mut Request<'_>, &mut PaperParams)| {
+        let (mut request, mut params) = (Request::new(&pair), PaperParams::default());
+        change(&mut request, &mut params);
+        let error: SolveError = solve(&request, Method::Paper, &params).unwrap_err();
+        error.to_string()
+    };
+    let roi = |x_px, y_px, width_px, height_px| {
+        Some(Roi {
+            x_px,
+            y_px,
+            width_px,
+            height_px,
+        })
+    };
+    assert_eq!(
+        message(&|r, _| r.roi_right = roi(600, 0, 41, 10)),
+        "right region: expected x,y,width,height inside the image of 640×360 px and not empty, found 600,0,41,10"
+    );
+    assert!(message(&|r, _| r.roi_left = roi(0, 0, 0, 10)).starts_with("left region"));
+    assert!(message(&|r, _| r.roi_left = roi(u32::MAX, 0, 2, 10)).starts_with("left region"));
+    let pick = |u, v| {
+        Some(Pick {
+            pixel: Pixel::new(u, v),
+            eye: Eye::Right,
+        })
+    };
+    assert_eq!(
+        message(&|r, _| r.pick = pick(641.0, 3.0)),
+        "pick: expected a pixel of the right image, 0,0 to 640,360, found 641,3"
+    );
+    assert!(message(&|r, _| r.pick = pick(f64::NAN, 3.0)).contains("NaN"));
+    for radius_m in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let prior = rodsight_solver::RadiusPrior {
+            radius_m,
+            sigma_m: None,
+        };
+        assert!(message(&|r, _| r.radius = Some(prior)).starts_with("radius_m"));
+    }
+    assert_eq!(
+        message(&|_, p| p.hough_theta_step_deg = 0.0),
+        "parameter hough_theta_step_deg: expected 0.02 to 45, found 0"
+    );
+    assert!(message(&|_, p| p.refine_threshold_px = f64::NAN).contains("refine_threshold_px"));
+}
+
+#[test]
+fn method_names_are_stable() {
+    for method in Method::ALL {
+        assert_eq!(method.name().parse::<Method>().unwrap(), method);
+        assert_eq!(serde_json::to_value(method).unwrap(), method.name());
+    }
+    assert!(
+        "papers"
+            .parse::<Method>()
+            .unwrap_err()
+            .to_string()
+            .contains("papers")
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// A region that holds the rod's stretch moves the answer by no more than its own uncertainty.
+    #[test]
+    fn regions_do_not_matter(left in 0_u32..60, top in 0_u32..60, right in 0_u32..60, bottom in 0_u32..60) {
+        let scene = scene();
+        let pair = scene.pair();
+        let mut request = Request::new(&pair);
+        request.pick = Some(pick_at(&scene.rig, Eye::Left, &truth().axis.point_m));
+        let whole = bisector(&request);
+        request.roi_left = Some(Roi { x_px: left, y_px: top, width_px: 640 - left - right, height_px: 360 - top - bottom });
+        request.roi_right = Some(Roi { x_px: right, y_px: bottom, width_px: 640 - left - right, height_px: 360 - top - bottom });
+        let part = bisector(&request);
+        prop_assert_eq!(part.status, Status::Ok, "{:?}", part.reason);
+        let grasp = |e: &Estimate| Vec3::from(e.grasp.unwrap().point_m.unwrap());
+        prop_assert!((grasp(&whole) - grasp(&part)).norm() < 3e-3, "{} {}", grasp(&whole), grasp(&part));
+    }
+}
+
+#[test]
+fn regions_at_full_size() {
+    let truth = rod([2.3, 0.1, 0.05], [0.4, 0.3, 1.0], 0.05);
+    let scene = Scene::new(rig(), vec![truth]);
+    let pair = scene.pair();
+    let mut request = Request::new(&pair);
+    request.pick = Some(pick_at(&scene.rig, Eye::Left, &truth.axis.point_m));
+    let around = |eye| {
+        let p = scene.rig.eye(eye).project(&truth.axis.point_m).unwrap();
+        Some(Roi {
+            x_px: (p.x as u32).saturating_sub(320),
+            y_px: 190,
+            width_px: 640,
+            height_px: 700,
+        })
+    };
+    (request.roi_left, request.roi_right) = (around(Eye::Left), around(Eye::Right));
+    let estimate = bisector(&request);
+    assert_eq!(estimate.status, Status::Ok, "{:?}", estimate.reason);
+    assert!(offset_m(&estimate, &truth) < 1.5e-3);
+}
