@@ -50,7 +50,7 @@ pub fn parse_toml<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, Con
         let mut message = with_nearest_key(error.message());
         // A wrong type is told without its key: quote the line that has it.
         if let Some(source) = line.and_then(|n| text.lines().nth(n))
-            && !message.contains('`')
+            && message.starts_with("invalid")
         {
             message = format!("{message}, in `{}`", source.trim());
         }

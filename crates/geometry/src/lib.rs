@@ -47,12 +47,12 @@ pub type Pixel = nalgebra::Vector2<f64>;
 pub type Mat3 = nalgebra::Matrix3<f64>;
 
 /// Radians from degrees.
-pub fn radians(angle_deg: f64) -> f64 {
+pub const fn radians(angle_deg: f64) -> f64 {
     angle_deg * (core::f64::consts::PI / 180.0)
 }
 
 /// Degrees from radians.
-pub fn degrees(angle_rad: f64) -> f64 {
+pub const fn degrees(angle_rad: f64) -> f64 {
     angle_rad * (180.0 / core::f64::consts::PI)
 }
 

@@ -1,5 +1,7 @@
 //! The founding paper's tables, recomputed: `golden/paper.toml` holds the numbers and says where each comes from.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on panics")]
+
 use std::path::Path;
 
 use rodsight_geometry::{
@@ -466,7 +468,7 @@ fn eq17_as_printed_gives_the_printed_direction() {
     );
 }
 
-/// (27)–(31): the grasp, and μ, ξ, η as the paper scales them: with its own d_c, and a pick ray of unit depth.
+/// (27)–(31): the grasp, and μ, ξ, η as the paper scales them: with its own `d_c`, and a pick ray of unit depth.
 #[track_caller]
 fn check_grasp(
     rig: &Rig,

@@ -1,5 +1,7 @@
 //! Every way in which an image can be wrong must be found. A comparator that passes one of these has been worthless.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on panics")]
+
 use rodsight_testkit::{
     Golden, Mismatch, SplitMix64, Tolerance, compare_images, load_reference, seed,
 };

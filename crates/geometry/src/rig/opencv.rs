@@ -127,11 +127,13 @@ fn camera(
     }
     let [fx_px, _, cx, _, fy_px, cy, ..] = m;
     let (width, height) = (f64::from(width_px), f64::from(height_px));
-    // From Python the size is easily written as (rows, columns).
-    if !(cx < width && cy < height) && cx < height && cy < width {
+    // From Python the size is easily written as (rows, columns): the principal point tells.
+    let off_centre = |w: f64, h: f64| (cx - 0.5 * w).abs() + (cy - 0.5 * h).abs();
+    let found = off_centre(width, height);
+    if found > 0.1 * (width + height) && found > 4.0 * off_centre(height, width) {
         return Err(file.complaint(
             "image size",
-            "width before height, and the principal point inside",
+            "width before height",
             format!("{width_px}×{height_px} px with the principal point ({cx}, {cy})"),
         ));
     }

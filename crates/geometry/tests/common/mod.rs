@@ -7,7 +7,7 @@ use rodsight_geometry::{
 };
 
 /// A fixed seed and no file of failures: a failing case fails again by itself.
-pub fn config() -> Config {
+pub(crate) fn config() -> Config {
     Config {
         cases: 400,
         rng_seed: RngSeed::Fixed(0x0072_6f64),
@@ -17,13 +17,13 @@ pub fn config() -> Config {
 }
 
 /// Any rotation.
-pub fn rotation() -> impl Strategy<Value = Mat3> {
+pub(crate) fn rotation() -> impl Strategy<Value = Mat3> {
     (-3.1..3.1_f64, -1.5..1.5_f64, -3.1..3.1_f64).prop_map(|(r, p, y)| rotation_from_rpy(r, p, y))
 }
 
 /// Any unit vector.
-pub fn unit() -> impl Strategy<Value = Vec3> {
-    (-1.0..1.0_f64, -3.14..3.14_f64).prop_map(|(z, phi)| {
+pub(crate) fn unit() -> impl Strategy<Value = Vec3> {
+    (-1.0..1.0_f64, -3.1..3.1_f64).prop_map(|(z, phi)| {
         let (sin, cos) = libm::sincos(phi);
         let across = (1.0 - z * z).sqrt();
         Vec3::new(across * cos, across * sin, z)
@@ -31,7 +31,7 @@ pub fn unit() -> impl Strategy<Value = Vec3> {
 }
 
 /// A rod in front of the rig, at 2 to 5 m, so that every point within 1.1 m of the origin is outside it.
-pub fn rod() -> impl Strategy<Value = Cylinder> {
+pub(crate) fn rod() -> impl Strategy<Value = Cylinder> {
     (unit(), 2.0..5.0_f64, unit(), 0.005..0.4_f64).prop_filter_map(
         "seen from the side",
         |(towards, distance_m, direction, radius_m)| {
@@ -43,7 +43,7 @@ pub fn rod() -> impl Strategy<Value = Cylinder> {
 }
 
 /// The poses of two cameras, within 1 m of the origin.
-pub fn rig() -> impl Strategy<Value = [Pose<RigFrame, CameraFrame>; 2]> {
+pub(crate) fn rig() -> impl Strategy<Value = [Pose<RigFrame, CameraFrame>; 2]> {
     (unit(), unit(), rotation(), rotation()).prop_filter_map("apart", |(a, b, r, s)| {
         ((a - b).norm() > 0.2).then(|| [Pose::new(r, a), Pose::new(s, b)])
     })
