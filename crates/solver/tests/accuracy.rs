@@ -1,6 +1,7 @@
 //! End to end against a renderer that shares no code path with the product's: what the paper's chain can and cannot do.
 
-#[allow(unreachable_pub, reason = "shared by test files")]
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
 mod common;
 
 use common::{Scene, pick_at, rig, rig_of, rod};
@@ -28,7 +29,7 @@ fn accuracy_averaging_is_biased_by_r2_over_z_and_the_bisector_is_not() {
     // An upright rod in the plane x = 2.3 m: the bias is exactly −r²/Z there.
     for radius_m in [0.05, 0.1, 0.2, 0.3] {
         let truth = rod([2.3, 0.1, 0.0], [0.0, 0.25, 1.0], radius_m);
-        let scene = Scene::new(rig(), vec![truth]);
+        let scene = Scene::new(&rig(), vec![truth]);
         let pair = scene.pair();
         let mut request = Request::new(&pair);
         request.pick = Some(pick_at(&scene.rig, Eye::Left, &truth.axis.point_m));
@@ -76,7 +77,7 @@ fn accuracy_over_poses_stays_within_its_own_covariance() {
             ([3.5, 0.3, -0.2], 0.1),
         ] {
             let truth = rod(at, direction, radius_m);
-            let mut scene = Scene::new(rig(), vec![truth]);
+            let mut scene = Scene::new(&rig(), vec![truth]);
             scene.noise_sigma = 0.008;
             scene.seed = k as u64;
             let pair = scene.pair();
@@ -120,7 +121,7 @@ fn accuracy_over_poses_stays_within_its_own_covariance() {
 fn accuracy_of_the_grasp_point_from_a_pick_on_the_surface() {
     // A thick oblique rod: the surface foot is r·cot ψ from the paper's point along the rod.
     let truth = rod([2.3, 0.1, 0.0], [1.0, 0.2, 1.0], 0.12);
-    let scene = Scene::new(rig(), vec![truth]);
+    let scene = Scene::new(&rig(), vec![truth]);
     let pair = scene.pair();
     for eye in Eye::BOTH {
         let mounted = scene.rig.eye(eye);
@@ -169,7 +170,7 @@ fn accuracy_with_a_distorted_lens() {
     let distortion = Distortion::BrownConrady([-0.12, 0.03, 0.0005, -0.0003, 0.0]);
     let rig = rig_of(1920, 1080, 1566.5776, distortion);
     let truth = rod([2.3, 0.2, 0.0], [0.2, 0.3, 1.0], 0.06);
-    let scene = Scene::new(rig, vec![truth]);
+    let scene = Scene::new(&rig, vec![truth]);
     let pair = scene.pair();
     let mut request = Request::new(&pair);
     request.pick = Some(pick_at(&rig, Eye::Right, &truth.axis.point_m));
@@ -187,7 +188,7 @@ fn parallel_to_the_baseline_is_refused_and_its_direction_kept() {
     for radius_m in [0.02, 0.05, 0.15] {
         for slope in [0.0, 0.003, 0.01] {
             let truth = rod([2.3, 0.0, 0.2], [slope, 1.0, slope], radius_m);
-            let scene = Scene::new(rig(), vec![truth]);
+            let scene = Scene::new(&rig(), vec![truth]);
             let pair = scene.pair();
             let mut request = Request::new(&pair);
             request.pick = Some(pick_at(&scene.rig, Eye::Left, &truth.axis.point_m));

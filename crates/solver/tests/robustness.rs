@@ -1,6 +1,7 @@
 //! Bad, odd and hostile pictures: an answer, a weaker answer that says so, or a refusal with the reason. Never a panic.
 
-#[allow(unreachable_pub, reason = "shared by test files")]
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
 mod common;
 
 use common::{Scene, pick_at, rig, rod, small_rig};
@@ -16,7 +17,7 @@ fn truth() -> Cylinder {
 }
 
 fn scene() -> Scene {
-    Scene::new(small_rig(), vec![truth()])
+    Scene::new(&small_rig(), vec![truth()])
 }
 
 fn bisector(request: &Request<'_>) -> Estimate {
@@ -235,7 +236,7 @@ fn pick_off_the_rod_is_refused() {
 fn two_rods_the_pick_chooses_and_without_one_the_doubt_is_told() {
     let near = rod([1.5, -0.12, 0.0], [0.1, 0.2, 1.0], 0.04);
     let far = rod([1.7, 0.2, 0.0], [0.1, 0.2, 1.0], 0.025);
-    let scene = Scene::new(small_rig(), vec![near, far]);
+    let scene = Scene::new(&small_rig(), vec![near, far]);
     let pair = scene.pair();
     for eye in Eye::BOTH {
         for truth in [&near, &far] {
@@ -265,7 +266,7 @@ fn two_rods_that_look_alike_are_never_matched_with_confidence() {
     // Equally wide in both images: nothing but the other rod's existence tells that the match may be wrong.
     let near = rod([1.5, -0.12, 0.0], [0.1, 0.2, 1.0], 0.04);
     let far = rod([1.7, 0.2, 0.0], [0.1, 0.2, 1.0], 0.045);
-    let scene = Scene::new(small_rig(), vec![near, far]);
+    let scene = Scene::new(&small_rig(), vec![near, far]);
     let pair = scene.pair();
     for eye in Eye::BOTH {
         for truth in [&near, &far] {
@@ -479,7 +480,7 @@ proptest! {
 #[test]
 fn regions_at_full_size() {
     let truth = rod([2.3, 0.1, 0.05], [0.4, 0.3, 1.0], 0.05);
-    let scene = Scene::new(rig(), vec![truth]);
+    let scene = Scene::new(&rig(), vec![truth]);
     let pair = scene.pair();
     let mut request = Request::new(&pair);
     request.pick = Some(pick_at(&scene.rig, Eye::Left, &truth.axis.point_m));

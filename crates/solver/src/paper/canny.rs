@@ -53,7 +53,7 @@ pub fn canny(mask: &[u8], roi: &Roi, params: &PaperParams) -> Vec<EdgePoint> {
     while let Some(index) = stack.pop() {
         let index = index as usize;
         for row in [index - stride, index, index + stride] {
-            for neighbour in row - 1..=row + 1 {
+            for neighbour in [row - 1, row, row + 1] {
                 if state[neighbour] == WEAK {
                     state[neighbour] = STRONG;
                     stack.push(neighbour as u32);
@@ -239,7 +239,9 @@ fn blur(image: &[u8], width: usize, sigma_px: f64) -> Vec<u8> {
         })
         .collect();
     let total: f32 = kernel.iter().sum();
-    kernel.iter_mut().for_each(|k| *k /= total);
+    for weight in &mut kernel {
+        *weight /= total;
+    }
     let height = image.len() / width;
 
     let mut across = vec![0.0_f32; image.len()];

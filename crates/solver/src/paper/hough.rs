@@ -103,33 +103,40 @@ pub fn peaks(votes: &Votes, params: &PaperParams) -> Vec<VotedLine> {
         VoteThreshold::FractionOfMax(fraction) => libm::ceil(fraction * f64::from(most)) as u32,
     }
     .max(2);
-    let reach = i64::from(params.hough_suppress_bins);
-    let (thetas, rhos) = (votes.theta_count as i64, votes.rho_count as i64);
-    let index_of = |i: i64, j: i64| -> Option<usize> {
-        let (mut i, mut j) = (i, j);
-        // One turn at most: a neighbourhood wider than all angles looks at each cell once or more, never wrongly.
-        while i < 0 {
-            (i, j) = (i + thetas, rhos - 1 - j);
-        }
-        while i >= thetas {
-            (i, j) = (i - thetas, rhos - 1 - j);
-        }
-        (0..rhos).contains(&j).then(|| (i * rhos + j) as usize)
+    let reach = params.hough_suppress_bins as usize;
+    let (thetas, rhos) = (votes.theta_count, votes.rho_count);
+    // `i` and `j` are given plus the reach, so that they are never negative.
+    let index_of = |i: usize, j: usize| -> Option<usize> {
+        let j = j.checked_sub(reach).filter(|j| *j < rhos)?;
+        // Every passage through θ = 0 or π turns the normal round: ρ changes its sign.
+        let turns = thetas * (reach / thetas + 1);
+        let from_zero = i + turns - reach;
+        let passages = (from_zero / thetas).abs_diff(turns / thetas);
+        let j = if passages.is_multiple_of(2) {
+            j
+        } else {
+            rhos - 1 - j
+        };
+        Some(from_zero % thetas * rhos + j)
     };
     let mut found: Vec<(u32, usize)> = Vec::new();
     for (here, &count) in votes.counts.iter().enumerate() {
         if count < threshold {
             continue;
         }
-        let (i, j) = (here as i64 / rhos, here as i64 % rhos);
+        let (i, j) = (here / rhos, here % rhos);
         // Of equal neighbours the first is kept.
-        let beaten = (-reach..=reach).any(|di| {
-            (-reach..=reach).any(|dj| {
-                index_of(i + di, j + dj).is_some_and(|there| {
-                    let other = votes.counts[there];
-                    other > count || (other == count && there < here)
-                })
-            })
+        let beats = |there: usize| {
+            let other = votes.counts[there];
+            other > count || (other == count && there < here)
+        };
+        let inside = i >= reach && i + reach < thetas && j >= reach && j + reach < rhos;
+        let beaten = (0..=2 * reach).any(|di| {
+            if inside {
+                let first = (i + di - reach) * rhos + j - reach;
+                return (first..=first + 2 * reach).any(beats);
+            }
+            (0..=2 * reach).any(|dj| index_of(i + di, j + dj).is_some_and(beats))
         });
         if !beaten {
             found.push((count, here));

@@ -34,7 +34,7 @@ pub fn rig_of(width_px: u32, height_px: u32, focal_px: f64, distortion: Distorti
         cx_px: 0.5 * f64::from(width_px),
         cy_px: 0.5 * f64::from(height_px),
     };
-    let camera = Camera::new(intrinsics, distortion).unwrap();
+    let camera = Camera::new(intrinsics, distortion).expect("a camera");
     let mounted = |y_m: f64| MountedCamera {
         camera,
         rig_from_camera: Pose::<RigFrame, CameraFrame>::new(
@@ -77,9 +77,9 @@ pub struct Scene {
 }
 
 impl Scene {
-    pub fn new(rig: Rig, rods: Vec<Cylinder>) -> Self {
+    pub fn new(rig: &Rig, rods: Vec<Cylinder>) -> Self {
         Self {
-            rig,
+            rig: *rig,
             rods,
             half_length_m: 50.0,
             rod_colour: ORANGE,
@@ -93,7 +93,8 @@ impl Scene {
     }
 
     pub fn pair(&self) -> StereoPair {
-        StereoPair::new(self.rig, self.image(Eye::Left), self.image(Eye::Right)).unwrap()
+        StereoPair::new(self.rig, self.image(Eye::Left), self.image(Eye::Right))
+            .expect("images of the rig's size")
     }
 
     /// Whether a ray of an eye meets a rod within its length.
@@ -163,11 +164,12 @@ impl Scene {
         } else {
             Samples::U16(values.iter().map(|v| (v * 65535.0 + 0.5) as u16).collect())
         };
-        Image::new(i.width_px, i.height_px, self.channels, samples).unwrap()
+        Image::new(i.width_px, i.height_px, self.channels, samples)
+            .expect("as many samples as pixels")
     }
 }
 
-/// SplitMix64 and a sum of twelve uniforms.
+/// `SplitMix64` and a sum of twelve uniforms.
 #[derive(Debug)]
 pub struct Random(u64);
 
@@ -196,7 +198,10 @@ impl Random {
 /// A pick at the image of a point on the axis.
 pub fn pick_at(rig: &Rig, eye: Eye, point_m: &Vec3) -> rodsight_solver::Pick {
     rodsight_solver::Pick {
-        pixel: rig.eye(eye).project(point_m).unwrap(),
+        pixel: rig
+            .eye(eye)
+            .project(point_m)
+            .expect("in front of the camera"),
         eye,
     }
 }

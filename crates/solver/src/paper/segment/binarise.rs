@@ -82,12 +82,12 @@ impl HueTest {
 }
 
 fn hue_row<T: Sample>(row: &[T], test: &HueTest, out: &mut [u8]) {
-    let mut planes = [[0.0_f32; CHUNK]; 3];
+    let mut planes = [[T::ZERO; CHUNK]; 3];
     for (pixels, out) in row.chunks(3 * CHUNK).zip(out.chunks_mut(CHUNK)) {
         for (i, pixel) in pixels.chunks_exact(3).enumerate() {
-            planes[0][i] = pixel[0].into();
-            planes[1][i] = pixel[1].into();
-            planes[2][i] = pixel[2].into();
+            planes[0][i] = pixel[0];
+            planes[1][i] = pixel[1];
+            planes[2][i] = pixel[2];
         }
         let mut flags = [0_i32; CHUNK];
         let [r, g, b] = &planes;
@@ -102,17 +102,21 @@ fn hue_row<T: Sample>(row: &[T], test: &HueTest, out: &mut [u8]) {
     }
 }
 
+#[expect(
+    clippy::needless_bitwise_bool,
+    reason = "lazy operators are branches, and branches keep the loop from vectors"
+)]
 #[inline]
-fn hue_chunk(
-    r: &[f32; CHUNK],
-    g: &[f32; CHUNK],
-    b: &[f32; CHUNK],
+fn hue_chunk<T: Sample>(
+    r: &[T; CHUNK],
+    g: &[T; CHUNK],
+    b: &[T; CHUNK],
     test: &HueTest,
     flags: &mut [i32; CHUNK],
     join: impl Fn(bool, bool) -> bool,
 ) {
     for i in 0..CHUNK {
-        let (r, g, b) = (r[i], g[i], b[i]);
+        let (r, g, b): (f32, f32, f32) = (r[i].into(), g[i].into(), b[i].into());
         let (x, y) = (r - b, g - b);
         let after = test.from[0] * y - test.from[1] * x >= 0.0;
         let before = x * test.to[1] - y * test.to[0] >= 0.0;

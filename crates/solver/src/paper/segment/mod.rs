@@ -88,14 +88,18 @@ pub fn segment(
 
 /// One kind of sample, so that 8 and 16 bits share every loop.
 pub(crate) trait Sample: Copy + Into<f32> + Sync {
+    /// Nothing.
+    const ZERO: Self;
     /// Largest value.
     const FULL: f32;
 }
 
 impl Sample for u8 {
+    const ZERO: Self = 0;
     const FULL: f32 = 255.0;
 }
 
 impl Sample for u16 {
+    const ZERO: Self = 0;
     const FULL: f32 = 65535.0;
 }
