@@ -5,6 +5,9 @@ use rodsight_geometry::Vec3;
 use crate::SceneError;
 use crate::error::Complaints;
 
+/// No scene is larger, m.
+const LARGEST_M: f64 = 1e6;
+
 impl Complaints<'_> {
     /// `accepts` must be false for NaN: written as a positive condition it is.
     pub(crate) fn number(
@@ -23,6 +26,14 @@ impl Complaints<'_> {
 
     pub(crate) fn positive(&self, key: &str, value: f64) -> Result<f64, SceneError> {
         self.number(key, value, "> 0 and finite", |v| v > 0.0)
+    }
+
+    /// A length of something: what is smaller or larger is a slip of units, and its square leaves the range of `f64`.
+    pub(crate) fn extent(&self, key: &str, value: f64) -> Result<f64, SceneError> {
+        self.positive(key, value)?;
+        self.number(key, value, "between 1e-6 and 1e6", |v| {
+            (1e-6..=LARGEST_M).contains(&v)
+        })
     }
 
     pub(crate) fn not_negative(&self, key: &str, value: f64) -> Result<f64, SceneError> {
@@ -55,15 +66,23 @@ impl Complaints<'_> {
     }
 
     pub(crate) fn point(&self, key: &str, point: [f64; 3]) -> Result<Vec3, SceneError> {
-        Ok(self.bands(key, point, "a finite number", |_| true)?.into())
+        let expected = "finite and within -1e6 to 1e6";
+        let inside = |v: f64| v.abs() <= LARGEST_M;
+        Ok(self.bands(key, point, expected, inside)?.into())
     }
 
     pub(crate) fn direction(&self, key: &str, direction: [f64; 3]) -> Result<Vec3, SceneError> {
-        let vector = self.point(key, direction)?;
-        let norm = vector.norm();
-        if !(norm > 1e-9 && norm.is_finite()) {
+        self.bands(key, direction, "finite", |_| true)?;
+        let mut vector = Vec3::from(direction);
+        let largest = vector.amax();
+        if largest == 0.0 {
             return Err(self.value(key, "a direction, not of zero length", list(direction)));
         }
+        if !(1e-3..=1e3).contains(&largest) {
+            // Or the squares would leave the range of `f64`.
+            vector /= largest;
+        }
+        let norm = vector.norm();
         // What is a unit vector already stays as it is to the last bit: a resolved scene reads back as itself.
         if (norm - 1.0).abs() <= 4.0 * f64::EPSILON {
             Ok(vector)

@@ -130,8 +130,8 @@ impl LampEntry {
         let inner = no.number(
             &format!("{key}.inner_half_angle_deg"),
             self.inner_half_angle_deg,
-            "> 0 and < 180",
-            |v| v > 0.0 && v < 180.0,
+            "at least 0.001 and < 180",
+            |v| (0.001..180.0).contains(&v),
         )?;
         let outer = no.number(
             &format!("{key}.outer_half_angle_deg"),
@@ -157,7 +157,9 @@ impl SeabedEntry {
         let albedo = no.albedo("seabed.albedo", self.albedo)?;
         let brightest = albedo.into_iter().fold(0.0, f64::max);
         Ok(Seabed {
-            z_m: no.number("seabed.z_m", self.z_m, "a finite number", |_| true)?,
+            z_m: no.number("seabed.z_m", self.z_m, "within -1e6 to 1e6", |v| {
+                v.abs() <= 1e6
+            })?,
             albedo,
             texture_contrast: no.number(
                 "seabed.texture_contrast",
@@ -165,7 +167,7 @@ impl SeabedEntry {
                 "between 0 and 1, and no brighter than albedo 1 with it",
                 |v| (0.0..1.0).contains(&v) && brightest * (1.0 + v) <= 1.0 + 1e-12,
             )?,
-            texture_scale_m: no.positive("seabed.texture_scale_m", self.texture_scale_m)?,
+            texture_scale_m: no.extent("seabed.texture_scale_m", self.texture_scale_m)?,
         })
     }
 }

@@ -21,7 +21,7 @@ impl RodEntry {
         if self.id.is_empty() {
             return Err(no.value(sub("id"), "a name", "\"\""));
         }
-        let radius_m = no.positive(&sub("radius_m"), self.radius_m)?;
+        let radius_m = no.extent(&sub("radius_m"), self.radius_m)?;
         let axis = if let Some((from, to)) = self.ends(no, key)? {
             self.axis_between(no, key, from, to)?
         } else {
@@ -65,7 +65,7 @@ impl RodEntry {
     ) -> Result<Axis, SceneError> {
         let chord = to - from;
         let chord_m = chord.norm();
-        if !(chord_m > 1e-9 && chord_m.is_finite()) {
+        if !(chord_m >= 1e-6) {
             let found = list(to.into());
             return Err(no.value(format!("{key}.to_m"), "a point other than from_m", found));
         }
@@ -97,7 +97,7 @@ impl RodEntry {
         Ok((
             no.point(&format!("{key}.centre_m"), centre)?,
             direction,
-            no.positive(&format!("{key}.length_m"), length)?,
+            no.extent(&format!("{key}.length_m"), length)?,
             bend.transpose()?,
         ))
     }
@@ -136,7 +136,7 @@ impl RodEntry {
 impl BendEntry {
     fn to_bend(self, no: &Complaints<'_>, key: &str, direction: &Vec3) -> Result<Bend, SceneError> {
         Ok(Bend {
-            sagitta_m: no.positive(&format!("{key}.bend.sagitta_m"), self.sagitta_m)?,
+            sagitta_m: no.extent(&format!("{key}.bend.sagitta_m"), self.sagitta_m)?,
             towards: self.towards(no, key, direction)?,
         })
     }

@@ -153,9 +153,11 @@ direction = [1, 0.2, 0.3] ~ direction = [0, 0, 0] ~ lamp[0].direction ~ zero len
 direction = [1, 0.2, 0.3] ~ aim_at_m = [0.1, -0.9, -1.35] ~ lamp[0].aim_at_m ~ other than position_m ~ 0.1
 direction = [1, 0.2, 0.3] ~  ~ lamp[0] ~ either direction or aim_at_m ~ neither
 radiant_intensity_w_per_sr = [1, 1, 1] ~ radiant_intensity_w_per_sr = [1, 1] ~ lamp[0].radiant_intensity_w_per_sr ~ 3 ~ invalid length 2
-inner_half_angle_deg = 30 ~ inner_half_angle_deg = 0 ~ lamp[0].inner_half_angle_deg ~ > 0 and < 180 ~ 0
+inner_half_angle_deg = 30 ~ inner_half_angle_deg = 0 ~ lamp[0].inner_half_angle_deg ~ at least 0.001 and < 180 ~ 0
 outer_half_angle_deg = 60 ~ outer_half_angle_deg = 180 ~ lamp[0].outer_half_angle_deg ~ < 180 ~ 180
 direction = [0, 0, 2] ~ direction = [0, 0, 0] ~ rod[0].direction ~ zero length ~ [0, 0, 0]
+radius_m = 0.05 ~ radius_m = 1e-9 ~ rod[0].radius_m ~ between 1e-6 and 1e6 ~ 0.000000001
+centre_m = [2.3, 0, -0.9] ~ centre_m = [2.3, 1e9, -0.9] ~ rod[0].centre_m[1] ~ within -1e6 to 1e6 ~ 1000000000
 direction = [0, 0, 2] ~ direction = "down" ~ rod[0].direction ~ array ~ down
 length_m = 2 ~ length_m = 0 ~ rod[0].length_m ~ > 0 ~ 0
 length_m = 2 ~ from_m = [0, 0, 0] ~ rod[0] ~ from_m and to_m, or centre_m ~ some of both
