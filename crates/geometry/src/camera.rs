@@ -303,4 +303,36 @@ mod tests {
         let camera = Camera::new(intrinsics(), Distortion::None).unwrap();
         assert_eq!(camera.project(&Vec3::new(0.0, 0.0, -1.0)), None);
     }
+
+    #[test]
+    fn points_without_a_direction_are_seen_nowhere() {
+        for distortion in [
+            Distortion::None,
+            Distortion::BrownConrady([-0.1, 0.0, 0.0, 0.0, 0.0]),
+            Distortion::KannalaBrandt([0.01, 0.0, 0.0, 0.0]),
+        ] {
+            let camera = Camera::new(intrinsics(), distortion).unwrap();
+            assert_eq!(camera.project(&Vec3::zeros()), None, "{distortion:?}");
+            assert_eq!(camera.project(&Vec3::new(0.0, 0.0, f64::NAN)), None);
+        }
+    }
+
+    /// Full Newton steps from the distorted point leave this lens' fold-free disc, though it has an inverse everywhere.
+    #[test]
+    fn strong_pincushion_that_turns_back_is_inverted() {
+        let wide = Intrinsics {
+            width_px: 1280,
+            height_px: 720,
+            fx_px: 704.0,
+            fy_px: 704.0,
+            cx_px: 640.0,
+            cy_px: 360.0,
+        };
+        let lens = Distortion::BrownConrady([0.5977, -0.19, 0.0025, 0.0, -0.214]);
+        let camera = Camera::new(wide, lens).unwrap();
+        for pixel in [Pixel::new(0.0, 0.0), Pixel::new(1280.0, 700.0)] {
+            let back = camera.project(&camera.ray(&pixel).unwrap()).unwrap();
+            assert!((back - pixel).norm() < 1e-9, "{back:?}");
+        }
+    }
 }
