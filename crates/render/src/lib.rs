@@ -9,6 +9,7 @@
 
 mod cpu;
 mod develop;
+mod exr_file;
 mod frame;
 mod lattice;
 mod noise;
@@ -23,6 +24,7 @@ pub use lattice::edge_offsets;
 pub use noise::Philox;
 pub use srgb::{srgb_decode, srgb_encode};
 pub use truth::{ConeTruth, EyeTruth, GraspTruth, LineTruth, RodTruth, Truth, WaterTruth};
+pub use exr_file::read_exr;
 pub use write::{PairPaths, read_image, write_image, write_pair};
 
 use rodsight_scene::Scene;

@@ -4,10 +4,6 @@ use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes,
-    WritableImage,
-};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader};
 use rodsight_geometry::{Eye, Image, RigFile, Samples};
@@ -15,7 +11,8 @@ use rodsight_scene::Scene;
 
 use crate::RenderError;
 use crate::develop::Developed;
-use crate::frame::{EyeFrame, Frame, PixelTruth};
+use crate::exr_file::write_exr;
+use crate::frame::Frame;
 use crate::truth::Truth;
 
 /// Where the files of a pair lie.
@@ -44,7 +41,7 @@ impl PairPaths {
     }
 }
 
-fn io(path: &Path, error: impl std::fmt::Display) -> RenderError {
+pub(crate) fn io(path: &Path, error: impl std::fmt::Display) -> RenderError {
     RenderError::Io {
         path: path.to_owned(),
         message: error.to_string(),
@@ -79,7 +76,7 @@ pub fn write_pair(
 }
 
 /// Writes through a temporary neighbour, so that a full disk or a kill leaves no half file under the final name.
-fn write_whole(
+pub(crate) fn write_whole(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
 ) -> Result<(), RenderError> {
@@ -128,7 +125,7 @@ pub fn write_image(path: &Path, image: &Image) -> Result<(), RenderError> {
     })
 }
 
-/// Reads a PNG, grey or RGB (transparency is dropped), 8 or 16 bits.
+/// Reads a PNG or JPEG, grey or RGB (transparency is dropped), 8 or 16 bits.
 ///
 /// # Errors
 /// No such file, not an image, or one that holds floating-point samples.
@@ -138,7 +135,7 @@ pub fn read_image(path: &Path) -> Result<Image, RenderError> {
         .with_guessed_format()
         .map_err(|error| io(path, error))?;
     if reader.format().is_none() {
-        return Err(io(path, "expected a PNG image, found something else"));
+        return Err(io(path, "expected a PNG or JPEG image, found something else"));
     }
     let decoder = reader.into_decoder().map_err(|error| io(path, error))?;
     let (width, height) = decoder.dimensions();
@@ -155,55 +152,6 @@ pub fn read_image(path: &Path) -> Result<Image, RenderError> {
         (false, true) => (3, Samples::U16(decoded.into_rgb16().into_raw())),
     };
     Image::new(width, height, channels, samples).map_err(|error| io(path, error))
-}
-
-/// Writes every channel of an eye as one `OpenEXR` layer: radiance as R, G, B, all others by name.
-fn write_exr(path: &Path, frame: &EyeFrame) -> Result<(), RenderError> {
-    let float = |name: &str, value: &dyn Fn(&PixelTruth) -> f32| {
-        AnyChannel::new(
-            name,
-            FlatSamples::F32(frame.pixels.iter().map(value).collect()),
-        )
-    };
-    let whole = |name: &str, value: &dyn Fn(&PixelTruth) -> u32| {
-        AnyChannel::new(
-            name,
-            FlatSamples::U32(frame.pixels.iter().map(value).collect()),
-        )
-    };
-    let mut channels = vec![
-        float("depth_m", &|p| p.depth_m),
-        float("range_m", &|p| p.range_m),
-        float("disparity_px", &|p| p.disparity_px),
-        whole("instance", &|p| u32::from(p.instance)),
-        whole("material", &|p| u32::from(p.material)),
-        whole("occluded", &|p| u32::from(p.occluded)),
-    ];
-    for (k, band) in ["R", "G", "B"].into_iter().enumerate() {
-        channels.push(float(band, &|p| p.radiance[k]));
-        channels.push(float(&format!("direct.{band}"), &|p| p.direct[k]));
-        channels.push(float(&format!("backscatter.{band}"), &|p| p.backscatter[k]));
-        channels.push(float(&format!("clean.{band}"), &|p| p.clean[k]));
-        channels.push(float(&format!("transmission.{band}"), &|p| {
-            p.transmission[k]
-        }));
-    }
-    for (k, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
-        channels.push(float(&format!("normal.{axis}"), &|p| p.normal[k]));
-    }
-    let layer = Layer::new(
-        (frame.width_px as usize, frame.height_px as usize),
-        LayerAttributes::named("rodsight"),
-        Encoding::FAST_LOSSLESS,
-        AnyChannels::sort(channels.into()),
-    );
-    let image = ExrImage::from_layer(layer);
-    let mut bytes = Vec::new();
-    image
-        .write()
-        .to_buffered(std::io::Cursor::new(&mut bytes))
-        .map_err(|error| io(path, error))?;
-    write_whole(path, |file| file.write_all(&bytes))
 }
 
 /// The images of a pair, by eye.

@@ -1,0 +1,107 @@
+//! `rodsight render`.
+
+use std::path::Path;
+use std::time::Instant;
+
+use rodsight_render::{CpuRenderer, Developed, Frame, PairPaths, Renderer, Truth, develop, write_pair};
+use rodsight_scene::{Scene, SceneFile};
+use serde::Serialize;
+
+use crate::args::{Backend, RenderArgs};
+use crate::commands::{print_json, print_text};
+use crate::failure::{Failure, claim_output};
+use crate::progress::Progress;
+
+/// A rendered pair and how it came about.
+pub(crate) struct Rendered {
+    pub(crate) frame: Frame,
+    pub(crate) developed: Developed,
+    pub(crate) truth: Truth,
+    pub(crate) timing_ms: RenderTiming,
+}
+
+/// Wall-clock times, ms.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct RenderTiming {
+    pub(crate) render: f64,
+    pub(crate) develop: f64,
+    pub(crate) write: f64,
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    schema: u32,
+    scene: &'a str,
+    seed: u64,
+    backend: &'a str,
+    adapter: &'a str,
+    files: Vec<String>,
+    timing_ms: RenderTiming,
+}
+
+pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let mut scene = Scene::load(&args.scene).map_err(Failure::input)?;
+    if let Some(seed) = args.seed {
+        scene.seed = seed;
+    }
+    if args.backend == Backend::Gpu {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "--backend gpu: this version has the cpu backend only; leave the option out or say --backend cpu"
+        )));
+    }
+    claim_output(&args.output)?;
+    let mut rendered = render(&scene)?;
+    let paths = write(&args.output, &scene, &mut rendered)?;
+    let files = [&paths.left_png, &paths.right_png, &paths.left_exr, &paths.right_exr, &paths.rig_toml, &paths.truth_json];
+    if args.json {
+        return print_json(&Summary {
+            schema: 1,
+            scene: &scene.id,
+            seed: scene.seed,
+            backend: rendered.frame.backend,
+            adapter: &rendered.frame.adapter,
+            files: files.iter().map(|path| path.display().to_string()).collect(),
+            timing_ms: rendered.timing_ms,
+        });
+    }
+    let [u_px, v_px] = rendered.truth.grasp.pick_px;
+    let folder = args.output.display();
+    print_text(&format!(
+        "{} rendered by the {} backend on {} (no other backend in this version) in {:.1} s, written in {:.1} s\n\
+         {folder}: left.png right.png left.exr right.exr rig.toml scene.toml truth.json\n\
+         next: rodsight solve --left {folder}/left.png --right {folder}/right.png --rig {folder}/rig.toml \
+         --pick {u_px:.1},{v_px:.1},{}\n",
+        scene.id,
+        rendered.frame.backend,
+        rendered.frame.adapter,
+        rendered.timing_ms.render / 1e3,
+        rendered.timing_ms.write / 1e3,
+        rendered.truth.grasp.pick_eye.name(),
+    ))
+}
+
+/// Renders and develops a scene, with progress.
+pub(crate) fn render(scene: &Scene) -> Result<Rendered, Failure> {
+    let progress = Progress::new(&format!("rendering {}", scene.id));
+    let start = Instant::now();
+    let frame = CpuRenderer.render(scene, &|fraction| progress.set(fraction))?;
+    let render_ms = start.elapsed().as_secs_f64() * 1e3;
+    let start = Instant::now();
+    let developed = develop(&frame, scene)?;
+    let develop_ms = start.elapsed().as_secs_f64() * 1e3;
+    let truth = Truth::of(scene, &frame, developed.gain)
+        .ok_or_else(|| Failure::Input(anyhow::anyhow!("scene \"{}\": its grasp point cannot be picked", scene.id)))?;
+    Ok(Rendered { frame, developed, truth, timing_ms: RenderTiming { render: render_ms, develop: develop_ms, write: 0.0 } })
+}
+
+/// Writes the pair and the resolved scene.
+pub(crate) fn write(folder: &Path, scene: &Scene, rendered: &mut Rendered) -> Result<PairPaths, Failure> {
+    let _progress = Progress::new("writing");
+    let start = Instant::now();
+    let resolved = folder.join("scene.toml");
+    std::fs::write(&resolved, SceneFile::from_scene(scene).to_toml())
+        .map_err(|error| Failure::Input(anyhow::anyhow!("{}: {error}", resolved.display())))?;
+    let paths = write_pair(folder, scene, &rendered.frame, &rendered.developed, &rendered.truth)?;
+    rendered.timing_ms.write = start.elapsed().as_secs_f64() * 1e3;
+    Ok(paths)
+}

@@ -1,0 +1,90 @@
+//! `rodsight solve`.
+
+use std::path::Path;
+
+use rodsight_geometry::{Rig, StereoPair, config, degrees};
+use rodsight_render::read_image;
+use rodsight_solver::{Estimate, PaperParams, Request, Status, solve_traced};
+
+use crate::args::SolveArgs;
+use crate::commands::{print_json, print_text};
+use crate::failure::{Failure, claim_output};
+use crate::picture;
+use crate::table::Table;
+
+pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
+    let rig = Rig::load(&args.rig).map_err(Failure::input)?;
+    let pair = StereoPair::new(rig, read_image(&args.left)?, read_image(&args.right)?).map_err(Failure::input)?;
+    let params = match &args.params {
+        Some(path) => load_params(path)?,
+        None => PaperParams::default(),
+    };
+    if let Some(folder) = &args.trace {
+        claim_output(folder)?;
+    }
+    let request = Request {
+        pair: &pair,
+        roi_left: args.roi_left,
+        roi_right: args.roi_right,
+        pick: args.pick,
+        radius: args.radius_m,
+    };
+    let (estimate, trace) = solve_traced(&request, args.method, &params).map_err(Failure::input)?;
+    if let Some(folder) = &args.trace {
+        picture::write_trace(folder, &trace)?;
+    }
+    if args.json {
+        print_json(&estimate)?;
+    } else {
+        print_text(&in_words(&estimate))?;
+    }
+    if estimate.status == Status::Refused { Err(Failure::Refused) } else { Ok(()) }
+}
+
+fn load_params(path: &Path) -> Result<PaperParams, Failure> {
+    config::read_text(path).and_then(|text| config::parse_toml(&text, path)).map_err(Failure::input)
+}
+
+fn in_words(estimate: &Estimate) -> String {
+    let mut table = Table::new(["", "x forward", "y starboard", "z down", "σ"].map(str::to_owned).to_vec());
+    let row = |table: &mut Table, name: &str, values: [f64; 3], digits: usize, sigma: String| {
+        let [x, y, z] = values.map(|v| format!("{v:.digits$}"));
+        table.row(vec![name.to_owned(), x, y, z, sigma]);
+    };
+    if let Some(axis) = &estimate.axis {
+        if let Some(point) = axis.point_m {
+            row(&mut table, "axis point, m", point, 4, sigma_m(axis.covariance.map(|c| [c[0][0], c[1][1], c[2][2]])));
+        }
+        if let Some(direction) = axis.direction {
+            let sigma = axis.covariance.map(|c| libm::sqrt(c[3][3] + c[4][4] + c[5][5]));
+            let sigma = sigma.map_or_else(String::new, |rad| format!("{:.3}°", degrees(rad)));
+            row(&mut table, "axis direction", direction, 5, sigma);
+        }
+    }
+    if let Some(grasp) = &estimate.grasp
+        && let Some(point) = grasp.point_m
+    {
+        row(&mut table, "grasp, m", point, 4, sigma_m(grasp.covariance_m2.map(|c| [c[0][0], c[1][1], c[2][2]])));
+    }
+    let mut text = format!("{}: {}\n", estimate.method, status_name(estimate.status));
+    if let Some(reason) = &estimate.reason {
+        text += &format!("  {reason}\n");
+    }
+    text += &table.to_string();
+    if let (Some(radius_m), Some(sigma_m)) = (estimate.radius_m, estimate.radius_sigma_m) {
+        text += &format!("radius {:.1} mm, σ {:.1} mm\n", radius_m * 1e3, sigma_m * 1e3);
+    }
+    text + &format!("{:.1} ms\n", estimate.timing_ms.total)
+}
+
+fn sigma_m(variances: Option<[f64; 3]>) -> String {
+    variances.map_or_else(String::new, |v| format!("{:.1} mm", libm::sqrt(v.iter().sum::<f64>()) * 1e3))
+}
+
+pub(crate) fn status_name(status: Status) -> &'static str {
+    match status {
+        Status::Ok => "ok",
+        Status::Degraded => "degraded",
+        Status::Refused => "refused",
+    }
+}
