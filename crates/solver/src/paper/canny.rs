@@ -243,7 +243,6 @@ fn blur(image: &[u8], width: usize, sigma_px: f64) -> Vec<u8> {
         *weight /= total;
     }
     let height = image.len() / width;
-
     let mut across = vec![0.0_f32; image.len()];
     let mut padded = vec![0.0_f32; width + 2 * reach];
     for (row, out) in image

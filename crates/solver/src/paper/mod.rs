@@ -14,6 +14,7 @@ mod pair;
 mod params;
 mod refine;
 mod refusal;
+mod report;
 mod segment;
 
 use std::time::Instant;

@@ -77,18 +77,27 @@ pub fn strips(
     strips
 }
 
-/// The strips worth comparing with the other eye's: off the pick, they are none.
+/// The strips worth comparing with the other eye's, best first: none if the pick is off all of them. The operator means the
+/// rod under the pick, so a strip beside it counts less the further it is.
 pub(crate) fn shortlist(
     strips: &[Strip],
     pick: Option<&Pixel>,
     params: &PaperParams,
 ) -> Vec<Strip> {
-    strips
+    let mut list: Vec<Strip> = strips
         .iter()
-        .filter(|s| pick.is_none_or(|pick| s.distance_px(pick) <= params.pick_margin_px))
-        .take(STRIPS_PER_EYE)
-        .cloned()
-        .collect()
+        .filter_map(|strip| {
+            let off = pick.map_or(0.0, |pick| strip.distance_px(pick));
+            let t = off / (0.3 * params.pick_margin_px).max(f64::MIN_POSITIVE);
+            (off <= params.pick_margin_px).then(|| Strip {
+                score: strip.score * libm::exp(-0.5 * t * t),
+                ..strip.clone()
+            })
+        })
+        .collect();
+    list.sort_by(|a, b| b.score.total_cmp(&a.score));
+    list.truncate(STRIPS_PER_EYE);
+    list
 }
 
 fn strip(

@@ -159,7 +159,7 @@ impl Default for PaperParams {
             min_plane_angle_deg: 0.2,
             radius_mismatch_degraded: 0.25,
             radius_mismatch_refused: 0.6,
-            runner_up_degraded: 0.8,
+            runner_up_degraded: 0.6,
         }
     }
 }

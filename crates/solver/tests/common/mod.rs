@@ -1,6 +1,6 @@
 //! A renderer of its own, so that the solver is not tested against the code it will be used with: the projection of a long
 //! cylinder is the wedge between its two tangent planes, painted by supersampling.
-#![allow(dead_code, reason = "each test file uses a part")]
+#![allow(dead_code, unreachable_pub, reason = "each test file uses a part")]
 #![allow(
     clippy::allow_attributes,
     reason = "`expect` cannot say `in some of the files`"

@@ -82,52 +82,56 @@ impl HueTest {
 }
 
 fn hue_row<T: Sample>(row: &[T], test: &HueTest, out: &mut [u8]) {
-    let mut planes = [[T::ZERO; CHUNK]; 3];
+    let (mut r, mut g, mut b) = ([T::ZERO; CHUNK], [T::ZERO; CHUNK], [T::ZERO; CHUNK]);
     for (pixels, out) in row.chunks(3 * CHUNK).zip(out.chunks_mut(CHUNK)) {
-        for (i, pixel) in pixels.chunks_exact(3).enumerate() {
-            planes[0][i] = pixel[0];
-            planes[1][i] = pixel[1];
-            planes[2][i] = pixel[2];
+        for (((r, g), b), pixel) in r
+            .iter_mut()
+            .zip(&mut g)
+            .zip(&mut b)
+            .zip(pixels.chunks_exact(3))
+        {
+            (*r, *g, *b) = (pixel[0], pixel[1], pixel[2]);
         }
-        let mut flags = [0_i32; CHUNK];
-        let [r, g, b] = &planes;
-        if test.wide {
-            hue_chunk(r, g, b, test, &mut flags, |a, b| a | b);
+        let flags = if test.wide {
+            hue_chunk(&r, &g, &b, test, |a, b| if a > b { a } else { b })
         } else {
-            hue_chunk(r, g, b, test, &mut flags, |a, b| a & b);
-        }
-        for (out, flag) in out.iter_mut().zip(&flags) {
-            *out = *flag as u8;
-        }
+            hue_chunk(&r, &g, &b, test, smaller)
+        };
+        out.copy_from_slice(&flags[..out.len()]);
     }
 }
 
-#[expect(
-    clippy::needless_bitwise_bool,
-    reason = "lazy operators are branches, and branches keep the loop from vectors"
-)]
+/// As `f32::min`, but without its care for NaN, which has no vector instruction.
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// Every condition is a margin that must not be negative; the least of them decides.
 #[inline]
 fn hue_chunk<T: Sample>(
     r: &[T; CHUNK],
     g: &[T; CHUNK],
     b: &[T; CHUNK],
     test: &HueTest,
-    flags: &mut [i32; CHUNK],
-    join: impl Fn(bool, bool) -> bool,
-) {
+    join: impl Fn(f32, f32) -> f32,
+) -> [u8; CHUNK] {
+    let mut flags = [0; CHUNK];
     for i in 0..CHUNK {
         let (r, g, b): (f32, f32, f32) = (r[i].into(), g[i].into(), b[i].into());
         let (x, y) = (r - b, g - b);
-        let after = test.from[0] * y - test.from[1] * x >= 0.0;
-        let before = x * test.to[1] - y * test.to[0] >= 0.0;
+        let hue = join(
+            test.from[0] * y - test.from[1] * x,
+            x * test.to[1] - y * test.to[0],
+        );
         let larger = if r > g { r } else { g };
         let max = if larger > b { larger } else { b };
-        let smaller = if r < g { r } else { g };
-        let chroma = max - if smaller < b { smaller } else { b };
-        let coloured = (chroma >= test.min_saturation * max) & (chroma > 0.0);
-        let rod = join(after, before) & coloured & (max >= test.min_value);
-        flags[i] = if rod { 255 } else { 0 };
+        let chroma = max - smaller(smaller(r, g), b);
+        // Samples are whole numbers: half a step keeps greys, which have no hue, out of every window.
+        let coloured = smaller(chroma - test.min_saturation * max, chroma - 0.5);
+        let margin = smaller(smaller(hue, coloured), max - test.min_value);
+        flags[i] = if margin >= 0.0 { 255 } else { 0 };
     }
+    flags
 }
 
 #[cfg(test)]

@@ -1,0 +1,85 @@
+//! Random rods, half of the scenes with a second rod of the same colour: an answer given as `ok` must be right.
+
+mod common;
+
+use common::{Random, Scene, rod, small_rig};
+use rodsight_geometry::{Eye, Line3, Pixel, Vec3};
+use rodsight_solver::{Method, PaperParams, Pick, Request, Status, solve};
+
+/// One scene with the pick on its first rod; `None` if that is not seen by both eyes.
+fn draw(index: usize, random: &mut Random) -> Option<(Scene, Pixel)> {
+    let mut within = |low: f64, high: f64| low + (high - low) * random.uniform();
+    let at = [within(1.0, 3.0), within(-0.15, 0.15), within(-0.2, 0.2)];
+    let direction = [within(-1.0, 1.0), within(-1.0, 1.0), within(-1.0, 1.0)];
+    let first = rod(at, direction, within(0.015, 0.115));
+    let beside = [
+        at[0] + within(0.0, 0.8),
+        at[1] + within(-0.8, 0.8),
+        at[2] + within(-0.5, 0.5),
+    ];
+    let direction = [within(-1.0, 1.0), within(-1.0, 1.0), within(-1.0, 1.0)];
+    let second = rod(beside, direction, within(0.015, 0.115));
+    let mut rods = vec![first];
+    if index % 2 == 1 {
+        rods.push(second);
+    }
+    let scene = Scene {
+        half_length_m: within(0.4, 1.4),
+        samples: 4,
+        noise_sigma: [0.0, 0.01, 0.03, 0.06][index % 4],
+        seed: index as u64,
+        ..Scene::new(&small_rig(), rods)
+    };
+    let mut seen = Eye::BOTH.into_iter().map(|eye| {
+        let mounted = scene.rig.eye(eye);
+        let pixel = mounted.project(&first.axis.point_m)?;
+        mounted.camera.contains(&pixel).then_some(pixel)
+    });
+    let (left, _) = (seen.next()??, seen.next()??);
+    let (origin, ray) = scene.rig.left.ray(&left)?;
+    // The other rod in front would be what the operator picked.
+    let hidden = scene.rods[1..]
+        .iter()
+        .any(|rod| rod.intersect(&origin, &ray).is_some());
+    (!hidden).then_some((scene, left))
+}
+
+#[test]
+fn an_answer_given_as_ok_is_right() {
+    let mut random = Random::new(77);
+    let (mut total, mut answered) = (0, 0);
+    for index in 0..160 {
+        let Some((scene, pixel)) = draw(index, &mut random) else {
+            continue;
+        };
+        let truth = scene.rods[0];
+        let pair = scene.pair();
+        let mut request = Request::new(&pair);
+        request.pick = Some(Pick {
+            pixel,
+            eye: Eye::Left,
+        });
+        let estimate = solve(&request, Method::PaperBisector, &PaperParams::default()).unwrap();
+        total += 1;
+        answered += usize::from(estimate.status != Status::Refused);
+        if estimate.status != Status::Ok {
+            assert!(estimate.reason.is_some());
+            continue;
+        }
+        let axis = estimate.axis.unwrap();
+        let line = Line3::new(
+            axis.point_m.unwrap().into(),
+            &Vec3::from(axis.direction.unwrap()),
+        );
+        let off = line.distance_m(&truth.axis.point_m);
+        // Shifts common to both eyes are no depth error: 0.5 px across at the rod's distance.
+        let across = 0.5 * truth.axis.point_m.x / 522.0;
+        let limit = 4.0 * libm::hypot(estimate.observability.depth_sigma_m.unwrap(), across);
+        assert!(
+            off < limit,
+            "{index}: {off} m, limit {limit} m: {estimate:?}"
+        );
+    }
+    assert!(total > 80, "{total}");
+    assert!(answered * 100 > total * 80, "{answered} of {total}");
+}
