@@ -70,7 +70,9 @@ fn exposure_gain(frame: &Frame, scene: &Scene) -> Result<f64, RenderError> {
         Exposure::Auto { quantile, level } => (quantile, level),
     };
     let pixels = frame.left.pixels.iter().chain(&frame.right.pixels);
-    let mut values: Vec<f32> = pixels.flat_map(|pixel| pixel.radiance).collect();
+    let balance = scene.white_balance.map(|gain| gain as f32);
+    let balanced = |light: [f32; 3]| [0, 1, 2].map(|k| light[k] * balance[k]);
+    let mut values: Vec<f32> = pixels.flat_map(|pixel| balanced(pixel.radiance)).collect();
     let index = ((values.len() - 1) as f64 * quantile) as usize;
     let (_, value, _) = values.select_nth_unstable_by(index, f32::total_cmp);
     if *value > 0.0 {
@@ -94,6 +96,7 @@ fn digital<T: Send>(
     let sample = |index: usize| {
         let (pixel, channel) = (index / 3, index % 3);
         let signal = gain * f64::from(frame.pixels[pixel].radiance[channel]);
+        let balance = scene.white_balance[channel];
         let counter = |purpose: Purpose| {
             [
                 pixel as u32,
@@ -104,11 +107,11 @@ fn digital<T: Send>(
         };
         let encoded = match scene.sensor {
             Sensor::Plain { noise_sigma_dn } if noise_sigma_dn > 0.0 => {
-                srgb_encode(signal)
+                srgb_encode(balance * signal)
                     + noise_sigma_dn / 255.0 * philox.normals(counter(Purpose::Plain))[0]
             }
-            Sensor::Plain { .. } => srgb_encode(signal),
-            Sensor::Emva(emva) => srgb_encode(expose(&emva, signal, philox, counter)),
+            Sensor::Plain { .. } => srgb_encode(balance * signal),
+            Sensor::Emva(emva) => srgb_encode(balance * expose(&emva, signal, philox, counter)),
         };
         quantise(libm::round(encoded.clamp(0.0, 1.0) * full_scale))
     };
@@ -135,8 +138,8 @@ fn expose(emva: &Emva, signal: f64, philox: &Philox, counter: impl Fn(Purpose) -
     converted - emva.dark_e / emva.full_well_e
 }
 
-/// Standard deviation of the noise on an encoded sample, fraction of full scale, at a linear value.
-pub(crate) fn noise_sigma(sensor: &Sensor, signal: f64) -> f64 {
+/// Standard deviation of the noise on an encoded sample, fraction of full scale, at a linear value before white balance.
+pub(crate) fn noise_sigma(sensor: &Sensor, signal: f64, balance: f64) -> f64 {
     match sensor {
         Sensor::Plain { noise_sigma_dn } => noise_sigma_dn / 255.0,
         Sensor::Emva(emva) => {
@@ -146,7 +149,7 @@ pub(crate) fn noise_sigma(sensor: &Sensor, signal: f64) -> f64 {
                 + emva.read_noise_e * emva.read_noise_e
                 + emva.dsnu_e * emva.dsnu_e
                 + emva.prnu * light_e * (emva.prnu * light_e);
-            srgb_slope(signal.clamp(0.0, 1.0)) * libm::sqrt(variance_e2) / emva.full_well_e
+            srgb_slope((balance * signal).clamp(0.0, 1.0)) * balance * libm::sqrt(variance_e2) / emva.full_well_e
         }
     }
 }

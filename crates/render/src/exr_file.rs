@@ -55,7 +55,7 @@ pub(crate) fn write_exr(path: &Path, frame: &EyeFrame) -> Result<(), RenderError
     let layer = Layer::new(
         (frame.width_px as usize, frame.height_px as usize),
         LayerAttributes::named("rodsight"),
-        Encoding::FAST_LOSSLESS,
+        Encoding { compression: exr::prelude::Compression::ZIP16, ..Encoding::FAST_LOSSLESS },
         AnyChannels::sort(channels.into()),
     );
     // Through memory: the writer seeks, and a file must appear whole or not at all.

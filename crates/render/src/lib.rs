@@ -59,7 +59,7 @@ pub enum RenderError {
         instead: &'static str,
     },
     #[error(
-        "scene \"{scene}\": no light reaches the cameras, so no exposure can be found; set exposure.gain or add a lamp"
+        "scene \"{scene}\": no light reaches the cameras, so no exposure can be found; set exposure.gain_m2_sr_per_w or add a lamp"
     )]
     Dark { scene: String },
     #[error("{}: {message}", path.display())]

@@ -380,6 +380,7 @@ impl EyeView<'_> {
     /// Mean over the visible limb of the noise-free encoded difference across it, over the noise there.
     fn contrast_to_noise(&self, side: f64, visible_m: &[[f64; 2]], gain: f64) -> Option<f64> {
         const STEPS: usize = 64;
+        let scene = self.world.scene;
         let (mut difference, mut noise, mut count) = ([0.0; 3], [0.0; 3], 0.0);
         for [from, to] in visible_m {
             for i in 0..STEPS {
@@ -388,12 +389,11 @@ impl EyeView<'_> {
                     continue;
                 };
                 for k in 0..3 {
-                    let (a, b) = (gain * f64::from(inside[k]), gain * f64::from(outside[k]));
-                    difference[k] += srgb_encode(a) - srgb_encode(b);
-                    let (sigma_a, sigma_b) = (
-                        noise_sigma(&self.world.scene.sensor, a),
-                        noise_sigma(&self.world.scene.sensor, b),
-                    );
+                    let [a, b] = [inside[k], outside[k]].map(|light| gain * f64::from(light));
+                    let balance = scene.white_balance[k];
+                    difference[k] += srgb_encode(balance * a) - srgb_encode(balance * b);
+                    let [sigma_a, sigma_b] =
+                        [a, b].map(|signal| noise_sigma(&scene.sensor, signal, balance));
                     noise[k] += libm::sqrt((sigma_a * sigma_a + sigma_b * sigma_b) / 2.0);
                 }
                 count += 1.0;

@@ -56,12 +56,23 @@ pub struct SceneFile {
     /// Radiance to digital numbers.
     #[serde(default)]
     pub exposure: ExposureEntry,
+    /// Gains of the bands (red, green, blue) after the sensor, between 1 and 16: what makes the lamps' light white.
+    #[serde(default = "no_white_balance", skip_serializing_if = "is_no_white_balance")]
+    pub white_balance: [f64; 3],
     /// Noise of the sensor.
     #[serde(default)]
     pub sensor: SensorEntry,
     /// How finely rays are cast.
     #[serde(default)]
     pub sampling: SamplingEntry,
+}
+
+fn no_white_balance() -> [f64; 3] {
+    [1.0; 3]
+}
+
+fn is_no_white_balance(gains: &[f64; 3]) -> bool {
+    *gains == no_white_balance()
 }
 
 fn default_bits() -> u8 {
@@ -346,7 +357,7 @@ pub struct SamplingEntry {
 impl Default for SamplingEntry {
     fn default() -> Self {
         Self {
-            edge: EdgeEntry::Fibonacci(144),
+            edge: EdgeEntry::Fibonacci(233),
             airlight_points: 16,
         }
     }

@@ -32,6 +32,8 @@ pub struct Scene {
     pub seabed: Option<Seabed>,
     /// Radiance to digital numbers.
     pub exposure: Exposure,
+    /// Gains of the bands after the sensor, at least 1: what makes the lamps' light white.
+    pub white_balance: Bands,
     /// Noise of the sensor.
     pub sensor: Sensor,
     /// Bits per sample of the images, 8 or 16.
@@ -175,7 +177,7 @@ pub struct Sampling {
 /// The pattern of samples in a pixel at an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgeSampling {
-    /// Fibonacci lattice of F(k) points, k the given index: uniform projections on both axes.
+    /// Fibonacci lattice: uniform projections on both axes.
     Fibonacci {
         /// Number of points, a Fibonacci number.
         points: u32,

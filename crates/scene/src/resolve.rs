@@ -109,6 +109,12 @@ impl SceneFile {
             lamps,
             seabed: self.seabed.map(|s| s.to_seabed(&no)).transpose()?,
             exposure: self.exposure.to_exposure(&no)?,
+            white_balance: no.bands(
+                "white_balance",
+                self.white_balance,
+                "between 1 and 16",
+                |gain| (1.0..=16.0).contains(&gain),
+            )?,
             sensor: self.sensor.to_sensor(&no)?,
             bits: self.bits,
             sampling: self.sampling(&no)?,

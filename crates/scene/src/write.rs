@@ -51,6 +51,7 @@ impl SceneFile {
                     ExposureEntry::Auto(AutoExposureEntry { quantile, level })
                 }
             },
+            white_balance: scene.white_balance,
             sensor: match scene.sensor {
                 Sensor::Plain { noise_sigma_dn } => {
                     SensorEntry::Plain(PlainSensorEntry { noise_sigma_dn })

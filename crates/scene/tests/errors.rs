@@ -70,7 +70,7 @@ fn good_scene_loads_with_defaults() {
         }
     );
     assert!(matches!(scene.exposure, Exposure::Auto { .. }));
-    assert_eq!(scene.sampling.edge, EdgeSampling::Fibonacci { points: 144 });
+    assert_eq!(scene.sampling.edge, EdgeSampling::Fibonacci { points: 233 });
     assert_eq!(scene.rods[0].direction.z, 1.0);
 }
 

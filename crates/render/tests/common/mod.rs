@@ -57,6 +57,7 @@ pub fn empty(shrink: u32) -> Scene {
         rods: Vec::new(),
         seabed: None,
         exposure: Exposure::Fixed(1.0),
+        white_balance: [1.0; 3],
         sensor: Sensor::Plain {
             noise_sigma_dn: 0.0,
         },
