@@ -1,6 +1,7 @@
 //! Errors of one estimate against the truth.
 
 use rodsight_geometry::{Line3, Vec3, radians};
+use serde::Serialize;
 
 use crate::nees::{AxisCovariance, Nees, nees};
 
@@ -21,7 +22,7 @@ pub struct TruthAxis {
 
 /// What was estimated of a rod, in the rig frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub struct Located {
     /// Centre line.
     pub axis: Line3,
     /// Covariance of the axis' point and direction, if claimed.
@@ -32,7 +33,7 @@ pub struct Estimate {
     pub grasp_m: Option<Vec3>,
 }
 
-impl Estimate {
+impl Located {
     /// An estimate of the axis alone.
     pub fn of_axis(axis: Line3) -> Self {
         Self {
@@ -45,7 +46,7 @@ impl Estimate {
 }
 
 /// The errors of one estimate. What was not estimated has no error.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Errors {
     /// [`axis_angle_rad`].
     pub axis_angle_rad: f64,
@@ -65,7 +66,7 @@ pub struct Errors {
 
 impl Errors {
     /// All errors of an estimate.
-    pub fn of(estimate: &Estimate, truth: &TruthAxis) -> Self {
+    pub fn of(estimate: &Located, truth: &TruthAxis) -> Self {
         Self {
             axis_angle_rad: axis_angle_rad(&estimate.axis, &truth.axis),
             axis_offset_m: axis_offset_m(&estimate.axis, &truth.grasp_m),
@@ -146,7 +147,7 @@ pub fn radius_error_m(estimate_m: f64, truth_m: f64) -> f64 {
 }
 
 /// The error of a grasp point, split along the true axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct GraspError {
     /// Across the true axis, m: what stereo measures.
     pub across_m: f64,

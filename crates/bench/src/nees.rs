@@ -7,7 +7,7 @@ use rodsight_geometry::{Line3, Vec3};
 pub type AxisCovariance = Matrix6<f64>;
 
 /// The normalised estimation error squared, and of how many degrees of freedom it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Nees {
     /// eᵀ Σ⁺ e, dimensionless; infinite where an error is claimed to be impossible. Of an honest estimate it is χ² distributed
     /// with `dof` degrees of freedom.

@@ -4,7 +4,7 @@ use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use rodsight_bench::{
-    AxisCovariance, Errors, Estimate, SUCCESS_LEVELS, TruthAxis, depth_error_m, grasp_error,
+    AxisCovariance, Errors, Located, SUCCESS_LEVELS, TruthAxis, depth_error_m, grasp_error,
     max_span_distance_m, nees, radius_error_m,
 };
 use rodsight_geometry::{Line3, Mat3, Pose, RigFrame, Vec3, radians, rotation_from_rpy};
@@ -31,10 +31,10 @@ fn close(found: f64, expected: f64) {
 #[test]
 fn errors_of_a_shifted_axis() {
     // 3 mm nearer and 4 mm lower: 5 mm off, no angle.
-    let estimate = Estimate {
+    let estimate = Located {
         radius_m: Some(0.048),
         grasp_m: Some(Vec3::new(1.997, 0.312, 0.004)),
-        ..Estimate::of_axis(Line3::new(Vec3::new(1.997, -7.0, 0.004), &-Vec3::y()))
+        ..Located::of_axis(Line3::new(Vec3::new(1.997, -7.0, 0.004), &-Vec3::y()))
     };
     let errors = Errors::of(&estimate, &truth());
     close(errors.axis_angle_rad, 0.0);
@@ -53,7 +53,7 @@ fn errors_of_a_shifted_axis() {
 fn errors_of_a_turned_axis() {
     // Turned by atan(3/4) about the true axis' reference point, in the plane of depth and the rod.
     let estimate = Line3::new(Vec3::new(2.0, 0.0, 0.0), &Vec3::new(3.0, 4.0, 0.0));
-    let errors = Errors::of(&Estimate::of_axis(estimate), &truth());
+    let errors = Errors::of(&Located::of_axis(estimate), &truth());
     close(errors.axis_angle_rad, libm::atan2(3.0, 4.0));
     // Distances are 3/5 of the distance along: 0.3 m at the grasp, 0.8 m at the far end of the span.
     close(errors.axis_offset_m, 0.18);
@@ -98,7 +98,7 @@ fn success_levels_need_both_offset_and_angle() {
             0.0,
         );
         let point = truth().grasp_m + Vec3::new(0.0, 0.0, offset_m);
-        let errors = Errors::of(&Estimate::of_axis(Line3::new(point, &direction)), &truth());
+        let errors = Errors::of(&Located::of_axis(Line3::new(point, &direction)), &truth());
         SUCCESS_LEVELS.map(|l| errors.within(&l))
     };
     assert_eq!(level(0.0009, 0.09), [true, true, true]);
@@ -210,7 +210,7 @@ proptest! {
             ..truth()
         };
         let square = Matrix6::from_fn(|i, j| 0.01 * factors[i][j]);
-        let estimate = Estimate {
+        let estimate = Located {
             axis: Line3::new(truth.axis.point_m + off, &(truth.axis.direction + tilt)),
             covariance: Some(square * square.transpose() + Matrix6::identity() * 1e-6),
             radius_m: Some(0.06),
@@ -243,7 +243,7 @@ proptest! {
                 }
             }
         }
-        let moved = Estimate {
+        let moved = Located {
             axis: moved_line(&estimate.axis, flip_estimate),
             covariance: Some(covariance),
             grasp_m: Some(motion.point(&estimate.grasp_m.unwrap())),

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::Context as _;
 use rodsight_geometry::{Eye, StereoPair, degrees};
+use rodsight_bench::{Errors, Limit, limit, measure};
 use rodsight_render::Truth;
 use rodsight_scene::Scene;
 use rodsight_solver::{Estimate, EyeTrace, Method, PaperParams, Pick, Request, Roi, TimingMs, Trace, solve_traced};
@@ -30,6 +31,8 @@ const REGION_MARGIN_PX: u32 = 60;
 struct DemoResult<'a> {
     schema: u32,
     truth: &'a Truth,
+    /// How accurate any method could be on this pair.
+    limit: Option<Limit>,
     methods: Vec<Solved>,
     render_timing_ms: RenderTiming,
 }
@@ -51,18 +54,19 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let methods = solve_all(&scene, &rendered)?;
     write(&args.output, &scene, &mut rendered)?;
     write_pictures(&args.output, &rendered, &methods)?;
+    let limit = limit(&rendered.truth).map_err(Failure::failed)?;
     let result =
-        DemoResult { schema: 1, truth: &rendered.truth, methods, render_timing_ms: rendered.timing_ms };
+        DemoResult { schema: 1, truth: &rendered.truth, limit, methods, render_timing_ms: rendered.timing_ms };
     let path = args.output.join("result.json");
     std::fs::write(&path, serde_json::to_vec_pretty(&result).map_err(Failure::failed)?)
         .with_context(|| path.display().to_string())
         .map_err(Failure::Input)?;
     let index = args.output.join("index.html");
-    page(&rendered, &result.methods)?.write(&index)?;
+    page(&rendered, limit.as_ref(), &result.methods)?.write(&index)?;
     if args.json {
         return print_json(&result);
     }
-    print_text(&in_words(&rendered, &result.methods))?;
+    print_text(&in_words(&rendered, limit.as_ref(), &result.methods))?;
     print_text(&format!("\n{}\n", index.display()))
 }
 
@@ -81,7 +85,7 @@ fn solve_all(scene: &Scene, rendered: &Rendered) -> Result<Vec<Solved>, Failure>
         .iter()
         .map(|&method| {
             let (estimate, trace) = solve_traced(&request, method, &PaperParams::default()).map_err(Failure::input)?;
-            Ok(Solved { errors: Errors::of(&estimate, truth), estimate, trace })
+            Ok(Solved { errors: measure(truth, &estimate).map_err(Failure::failed)?, estimate, trace })
         })
         .collect()
 }
@@ -145,29 +149,38 @@ fn write_pictures(folder: &Path, rendered: &Rendered, methods: &[Solved]) -> Res
     Ok(())
 }
 
-/// Name and value of every number that is compared.
-fn comparison(truth: &Truth, methods: &[Solved]) -> Vec<Vec<String>> {
-    let millimetres = |v: f64| format!("{:.2}", v * 1e3);
+/// Every number that is compared: its name, the truth, what each method says, the statistical limit.
+fn comparison(truth: &Truth, limit: Option<&Limit>, methods: &[Solved]) -> Vec<Vec<String>> {
+    let mm = |v: f64| format!("{:.3}", v * 1e3);
+    let angle = |v: f64| format!("{:.4}", degrees(v));
     let metres = |v: [f64; 3]| format!("{:.4}, {:.4}, {:.4}", v[0], v[1], v[2]);
-    let row = |name: &str, true_value: String, value: &dyn Fn(&Solved) -> Option<String>| {
-        let cells = methods.iter().map(|solved| value(solved).unwrap_or_else(|| "–".to_owned()));
-        [name.to_owned(), true_value].into_iter().chain(cells).collect::<Vec<_>>()
+    let none = || "–".to_owned();
+    let row = |name: &str, true_value: String, value: &dyn Fn(&Solved) -> Option<String>, limit: Option<String>| {
+        let cells = methods.iter().map(|solved| value(solved).unwrap_or_else(none));
+        let ends = ([name.to_owned(), true_value], limit.unwrap_or_default());
+        ends.0.into_iter().chain(cells).chain([ends.1]).collect::<Vec<_>>()
     };
-    let error = |pick: fn(&Errors) -> Option<f64>, show: fn(f64) -> String| {
-        move |solved: &Solved| solved.errors.as_ref().and_then(pick).map(show)
+    let error = |name: &str, value: &dyn Fn(&Errors) -> Option<String>, limit: Option<String>| {
+        row(name, "0".to_owned(), &|solved| value(solved.errors.as_ref()?), limit)
     };
-    let mm: fn(f64) -> String = |v| format!("{:.2}", v * 1e3);
     vec![
-        row("status", String::new(), &|s| Some(status_name(s.estimate.status).to_owned())),
-        row("grasp, m", metres(truth.grasp.point_m), &|s| Some(metres(s.estimate.grasp.as_ref()?.point_m?))),
-        row("direction", metres(truth.grasp.axis.direction), &|s| Some(metres(s.estimate.axis.as_ref()?.direction?))),
-        row("radius, mm", millimetres(truth.target().radius_m), &|s| s.estimate.radius_m.map(millimetres)),
-        row("error: axis at the grasp, mm", "0".to_owned(), &error(|e| Some(e.axis_offset_m), mm)),
-        row("error: axis angle, °", "0".to_owned(), &error(|e| Some(degrees(e.axis_angle_rad)), |v| format!("{v:.3}"))),
-        row("error: grasp across the rod, mm", "0".to_owned(), &error(|e| e.grasp_across_m, mm)),
-        row("error: grasp along the rod, mm", "0".to_owned(), &error(|e| e.grasp_along_m, mm)),
-        row("error: radius, mm", "0".to_owned(), &error(|e| e.radius_m, mm)),
+        row("status", String::new(), &|s| Some(status_name(s.estimate.status).to_owned()), None),
+        row("grasp, m", metres(truth.grasp.point_m), &|s| Some(metres(s.estimate.grasp?.point_m?)), None),
+        row("direction", metres(truth.grasp.axis.direction), &|s| Some(metres(s.estimate.axis?.direction?)), None),
+        row("radius, mm", mm(truth.target().radius_m), &|s| s.estimate.radius_m.map(mm), None),
+        error("error: axis at the grasp, mm", &|e| Some(mm(e.axis_offset_m)), limit.map(|l| mm(l.axis_offset_m))),
+        error("error: depth, mm", &|e| Some(mm(e.depth_m)), None),
+        error("error: axis angle, °", &|e| Some(angle(e.axis_angle_rad)), limit.map(|l| angle(l.axis_angle_rad))),
+        error("error: grasp across the rod, mm", &|e| Some(mm(e.grasp?.across_m)), None),
+        error("error: grasp along the rod, mm", &|e| Some(mm(e.grasp?.along_m)), None),
+        error("error: radius, mm", &|e| e.radius_m.map(mm), limit.map(|l| mm(l.radius_m))),
+        row("claimed σ of the grasp, mm", String::new(), &|s| claimed_sigma_m(s).map(mm), None),
     ]
+}
+
+fn claimed_sigma_m(solved: &Solved) -> Option<f64> {
+    let covariance = solved.estimate.grasp?.covariance_m2?;
+    Some((0..3).map(|k| covariance[k][k]).sum::<f64>().sqrt())
 }
 
 fn timing(methods: &[Solved]) -> Vec<Vec<String>> {
@@ -191,7 +204,13 @@ fn header(first: &[&str], methods: &[Solved]) -> Vec<String> {
     first.iter().map(ToString::to_string).chain(names).collect()
 }
 
-fn in_words(rendered: &Rendered, methods: &[Solved]) -> String {
+fn compared_header(methods: &[Solved]) -> Vec<String> {
+    let mut cells = header(&["", "truth"], methods);
+    cells.push("statistical limit (σ)".to_owned());
+    cells
+}
+
+fn in_words(rendered: &Rendered, limit: Option<&Limit>, methods: &[Solved]) -> String {
     let text_table = |header: Vec<String>, rows: Vec<Vec<String>>| {
         let mut table = Table::new(header);
         rows.into_iter().for_each(|row| table.row(row));
@@ -206,7 +225,7 @@ fn in_words(rendered: &Rendered, methods: &[Solved]) -> String {
         truth.adapter,
         rendered.timing_ms.render / 1e3
     );
-    text += &text_table(header(&["", "truth"], methods), comparison(truth, methods));
+    text += &text_table(compared_header(methods), comparison(truth, limit, methods));
     for solved in methods {
         if let Some(reason) = &solved.estimate.reason {
             text += &format!("  {}: {reason}\n", solved.estimate.method);
@@ -216,7 +235,7 @@ fn in_words(rendered: &Rendered, methods: &[Solved]) -> String {
     text + &text_table(header(&["stage"], methods), timing(methods))
 }
 
-fn page(rendered: &Rendered, methods: &[Solved]) -> Result<Page, Failure> {
+fn page(rendered: &Rendered, limit: Option<&Limit>, methods: &[Solved]) -> Result<Page, Failure> {
     let truth = &rendered.truth;
     let colours: Vec<String> = methods
         .iter()
@@ -250,8 +269,8 @@ fn page(rendered: &Rendered, methods: &[Solved]) -> Result<Page, Failure> {
     };
     let compared = HtmlTable {
         caption: "In the rig frame: x forward, y starboard, z down".to_owned(),
-        header: header(&["", "truth"], methods),
-        rows: comparison(truth, methods),
+        header: compared_header(methods),
+        rows: comparison(truth, limit, methods),
     };
     let times = HtmlTable {
         caption: "Wall-clock time of each stage, ms (both eyes side by side)".to_owned(),
@@ -285,20 +304,4 @@ fn page(rendered: &Rendered, methods: &[Solved]) -> Result<Page, Failure> {
         ],
         provenance: provenance(truth),
     })
-}
-
-/// TEMP
-#[derive(Serialize)]
-struct Errors { axis_offset_m: f64, axis_angle_rad: f64, grasp_across_m: Option<f64>, grasp_along_m: Option<f64>, radius_m: Option<f64> }
-impl Errors {
-    fn of(e: &Estimate, t: &Truth) -> Option<Self> {
-        use rodsight_geometry::{Line3, Vec3};
-        let a = e.axis.as_ref()?;
-        let axis = Line3::new(a.point_m?.into(), &Vec3::from(a.direction?));
-        let g: Vec3 = t.grasp.point_m.into();
-        let ta = Line3::new(g, &Vec3::from(t.grasp.axis.direction));
-        let d = e.grasp.as_ref().and_then(|x| x.point_m).map(|p| Vec3::from(p) - g);
-        Some(Self { axis_offset_m: axis.distance_m(&g), axis_angle_rad: axis.angle_to(&ta),
-            grasp_across_m: d.map(|d| (d - ta.direction * ta.direction.dot(&d)).norm()), grasp_along_m: d.map(|d| d.dot(&ta.direction)), radius_m: e.radius_m.map(|r| r - t.target().radius_m) })
-    }
 }
