@@ -8,7 +8,7 @@ use super::locate::centerline;
 use super::segment::{self, Rule};
 use super::{
     EdgePoint, EyeTrace, PaperParams, RefinedLine, Refusal, Strip, VotedLine, Votes, binarise,
-    canny, hough, milliseconds, refine, strips,
+    canny, hough, majority, milliseconds, refine, strips,
 };
 use crate::{EyeReport, Method, Request, Roi, TimingMs};
 
@@ -56,7 +56,11 @@ fn see(request: &Request<'_>, eye: Eye, rule: Rule, params: &PaperParams) -> See
     let mut timing_ms = TimingMs::default();
 
     let start = Instant::now();
-    let mask = binarise(image, &roi, &rule);
+    let mask = majority(
+        &binarise(image, &roi, &rule),
+        &roi,
+        params.mask_median_radius_px,
+    );
     timing_ms.segment = milliseconds(start);
 
     let start = Instant::now();

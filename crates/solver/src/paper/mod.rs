@@ -31,7 +31,7 @@ pub use pair::{Strip, strips};
 pub use params::{HueWindow, PaperParams, SegmentationMode, VoteThreshold};
 pub use refine::{Polarity, RefinedLine, refine};
 pub use refusal::Refusal;
-pub use segment::{Hsv, HueSource, Rule, binarise, learn, segment};
+pub use segment::{Hsv, HueSource, Rule, binarise, learn, majority, segment};
 
 /// Everything that happened on the way, for pictures.
 #[derive(Clone, Debug)]

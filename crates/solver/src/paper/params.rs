@@ -61,6 +61,8 @@ pub struct PaperParams {
     pub hue_half_width_min_deg: f64,
     /// A learned window reaches at most so far to both sides of the rod's hue, degrees.
     pub hue_half_width_max_deg: f64,
+    /// Radius of the median that takes speckle off the binarised image, px; 0: none, as the paper says nothing of one.
+    pub mask_median_radius_px: u32,
     /// Gaussian blur of the binarised image before Canny, px; 0: none.
     pub blur_sigma_px: f64,
     /// Canny's lower threshold on |gx| + |gy| of the 3×3 Sobel operator on 0…255.
@@ -131,6 +133,7 @@ impl Default for PaperParams {
             learn_rim_px: 4,
             hue_half_width_min_deg: 8.0,
             hue_half_width_max_deg: 60.0,
+            mask_median_radius_px: 1,
             blur_sigma_px: 0.0,
             canny_low: 100.0,
             canny_high: 200.0,
@@ -227,6 +230,13 @@ impl PaperParams {
             "above 0, up to hue_half_width_max_deg",
             least,
             least > 0.0 && least <= most,
+        )?;
+        let radius = self.mask_median_radius_px;
+        check(
+            "mask_median_radius_px",
+            "0 to 50",
+            f64::from(radius),
+            radius <= 50,
         )?;
         let blur = self.blur_sigma_px;
         check(

@@ -3,6 +3,7 @@
 mod binarise;
 mod hsv;
 mod learn;
+mod majority;
 
 use core::fmt;
 
@@ -15,6 +16,7 @@ pub use binarise::binarise;
 pub use hsv::Hsv;
 pub(crate) use learn::for_other_eye;
 pub use learn::learn;
+pub use majority::majority;
 
 /// How the rod is told from the background.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +74,7 @@ impl fmt::Display for Rule {
     }
 }
 
-/// Learns the rule in this image and applies it: 0/255, shape `[roi.height, roi.width]`.
+/// Learns the rule in this image, applies it and takes speckle off: 0/255, shape `[roi.height, roi.width]`.
 ///
 /// # Errors
 /// Hue was demanded and does not tell rod from background.
@@ -83,7 +85,8 @@ pub fn segment(
     params: &PaperParams,
 ) -> Result<(Vec<u8>, Rule), Refusal> {
     let rule = learn(image, roi, pick, params, "the")?;
-    Ok((binarise(image, roi, &rule), rule))
+    let mask = binarise(image, roi, &rule);
+    Ok((majority(&mask, roi, params.mask_median_radius_px), rule))
 }
 
 /// One kind of sample, so that 8 and 16 bits share every loop.
