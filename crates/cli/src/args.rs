@@ -39,7 +39,8 @@ Example:
   rodsight demo
   rodsight demo -o /tmp/demo --json | jq '.methods[].errors.axis_offset_m'
 
-Writes index.html (all of it on one page), result.json, the pictures, and the pair as `rodsight render` does.")]
+Writes index.html (all of it on one page), result.json, the pictures, and the pair as `rodsight render` does but for the
+truth channels (left.exr right.exr).")]
 pub(crate) struct DemoArgs {
     /// Folder to write to
     #[arg(short, long, default_value = "rodsight-demo")]
@@ -80,7 +81,7 @@ pub(crate) enum Backend {
     Auto,
     /// The f64 reference renderer
     Cpu,
-    /// A graphics card (not in this version)
+    /// A graphics card (not in this version: exits with 4)
     Gpu,
 }
 
@@ -100,14 +101,14 @@ pub(crate) struct SolveArgs {
     /// Right image
     #[arg(long)]
     pub(crate) right: PathBuf,
-    /// Rig: a rodsight TOML, an `OpenCV` stereo YAML or a Kalibr camchain YAML
+    /// Rig: a rodsight TOML, an OpenCV stereo YAML or a Kalibr camchain YAML
     #[arg(long)]
     pub(crate) rig: PathBuf,
     /// Region of the left image, pixels
-    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_roi)]
+    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_roi, allow_hyphen_values = true)]
     pub(crate) roi_left: Option<Roi>,
     /// Region of the right image, pixels
-    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_roi)]
+    #[arg(long, value_name = "X,Y,W,H", value_parser = parse_roi, allow_hyphen_values = true)]
     pub(crate) roi_right: Option<Roi>,
     /// Where to grasp, pixels, in the left image unless it says right
     #[arg(long, value_name = "U,V[,left|right]", value_parser = parse_pick, allow_hyphen_values = true)]
@@ -134,10 +135,10 @@ pub(crate) struct SolveArgs {
 Example:
   rodsight render scenes/paper.toml -o pair && rodsight inspect pair
 
-Writes DIR/inspect.png: per eye the image with the true axis (green), limbs (yellow) and pick, its close-up, depth, instances
-and the light scattered by the water; and DIR/inspect.html with the numbers.")]
+Writes FOLDER/inspect.png: per eye the image with the true axis (green), limbs (yellow) and pick, its close-up, and, where
+there is left.exr right.exr, depth, instances and the light scattered by the water; and FOLDER/inspect.html with the numbers.")]
 pub(crate) struct InspectArgs {
-    /// Folder written by `rodsight render`
+    /// Folder written by `rodsight render` or `rodsight demo`
     pub(crate) folder: PathBuf,
     /// Print the truth's numbers as JSON
     #[arg(long)]
@@ -167,7 +168,9 @@ pub(crate) enum Format {
 }
 
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  rodsight completions bash > ~/.local/share/bash-completion/completions/rodsight")]
+#[command(
+    after_help = "Example:\n  rodsight completions bash > ~/.local/share/bash-completion/completions/rodsight"
+)]
 pub(crate) struct CompletionsArgs {
     /// Which shell
     #[arg(value_enum)]
@@ -175,13 +178,22 @@ pub(crate) struct CompletionsArgs {
 }
 
 fn numbers<T: std::str::FromStr>(text: &str) -> Option<Vec<T>> {
-    text.split(',').map(|part| part.trim().parse().ok()).collect()
+    text.split(',')
+        .map(|part| part.trim().parse().ok())
+        .collect()
 }
 
 fn parse_roi(text: &str) -> Result<Roi, String> {
     match numbers::<u32>(text).as_deref() {
-        Some(&[x_px, y_px, width_px, height_px]) => Ok(Roi { x_px, y_px, width_px, height_px }),
-        _ => Err("expected four whole numbers, as 700,0,640,1080".to_owned()),
+        Some(&[x_px, y_px, width_px, height_px]) => Ok(Roi {
+            x_px,
+            y_px,
+            width_px,
+            height_px,
+        }),
+        _ => Err(
+            "expected four whole numbers of pixels, x,y,width,height, as 700,0,640,1080".to_owned(),
+        ),
     }
 }
 
@@ -192,15 +204,24 @@ fn parse_pick(text: &str) -> Result<Pick, String> {
         _ => (text, Eye::Left),
     };
     match numbers::<f64>(coordinates).as_deref() {
-        Some(&[u_px, v_px]) if u_px.is_finite() && v_px.is_finite() => Ok(Pick { pixel: Pixel::new(u_px, v_px), eye }),
+        Some(&[u_px, v_px]) if u_px.is_finite() && v_px.is_finite() => Ok(Pick {
+            pixel: Pixel::new(u_px, v_px),
+            eye,
+        }),
         _ => Err("expected two numbers and perhaps an eye, as 1029.3,637.0,left".to_owned()),
     }
 }
 
 fn parse_radius(text: &str) -> Result<RadiusPrior, String> {
     match numbers::<f64>(text).as_deref() {
-        Some(&[radius_m]) => Ok(RadiusPrior { radius_m, sigma_m: None }),
-        Some(&[radius_m, sigma_m]) => Ok(RadiusPrior { radius_m, sigma_m: Some(sigma_m) }),
+        Some(&[radius_m]) => Ok(RadiusPrior {
+            radius_m,
+            sigma_m: None,
+        }),
+        Some(&[radius_m, sigma_m]) => Ok(RadiusPrior {
+            radius_m,
+            sigma_m: Some(sigma_m),
+        }),
         _ => Err("expected metres, as 0.05 or 0.05,0.001".to_owned()),
     }
 }
@@ -222,8 +243,20 @@ mod tests {
 
     #[test]
     fn pick_takes_an_eye_or_means_the_left_one() {
-        assert_eq!(parse_pick("3,4").unwrap(), Pick { pixel: Pixel::new(3.0, 4.0), eye: Eye::Left });
-        assert_eq!(parse_pick("3.5,-4,right").unwrap(), Pick { pixel: Pixel::new(3.5, -4.0), eye: Eye::Right });
+        assert_eq!(
+            parse_pick("3,4").unwrap(),
+            Pick {
+                pixel: Pixel::new(3.0, 4.0),
+                eye: Eye::Left
+            }
+        );
+        assert_eq!(
+            parse_pick("3.5,-4,right").unwrap(),
+            Pick {
+                pixel: Pixel::new(3.5, -4.0),
+                eye: Eye::Right
+            }
+        );
         for bad in ["3", "3,4,5", "a,b", "3,NaN", "3,4,up", ""] {
             assert!(parse_pick(bad).is_err(), "{bad}");
         }
@@ -231,7 +264,15 @@ mod tests {
 
     #[test]
     fn region_is_four_whole_numbers() {
-        assert_eq!(parse_roi("1,2,3,4").unwrap(), Roi { x_px: 1, y_px: 2, width_px: 3, height_px: 4 });
+        assert_eq!(
+            parse_roi("1,2,3,4").unwrap(),
+            Roi {
+                x_px: 1,
+                y_px: 2,
+                width_px: 3,
+                height_px: 4
+            }
+        );
         for bad in ["1,2,3", "1,2,3,4,5", "-1,2,3,4", "1.5,2,3,4"] {
             assert!(parse_roi(bad).is_err(), "{bad}");
         }

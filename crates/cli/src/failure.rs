@@ -1,9 +1,13 @@
 //! Errors as people and scripts see them: one message, one exit code.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Mutex;
+#[cfg(unix)]
+use std::sync::Arc;
+use std::sync::{Mutex, PoisonError};
+
+use anyhow::Context as _;
 
 /// What went wrong, by exit code.
 #[derive(Debug)]
@@ -12,6 +16,8 @@ pub(crate) enum Failure {
     Failed(anyhow::Error),
     /// 2: what was given cannot be used.
     Input(anyhow::Error),
+    /// 4: no machine part that could do it.
+    NoAdapter(anyhow::Error),
     /// 3: the answer is no; it has been printed already.
     Refused,
 }
@@ -28,11 +34,13 @@ impl Failure {
     pub(crate) fn report(self) -> ExitCode {
         let (error, code) = match self {
             Self::Refused => return ExitCode::from(3),
+            Self::NoAdapter(error) => (error, 4),
             // Whoever reads our output has heard enough (`rodsight … | head`).
             Self::Failed(error) if is_broken_pipe(&error) => return ExitCode::SUCCESS,
             Self::Failed(error) => (error, 1),
             Self::Input(error) => (error, 2),
         };
+        abandon_output();
         // Nothing is left to tell if standard error is gone too.
         drop(writeln!(std::io::stderr(), "rodsight: {error:#}"));
         ExitCode::from(code)
@@ -45,12 +53,6 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
         .is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
-impl From<std::io::Error> for Failure {
-    fn from(error: std::io::Error) -> Self {
-        Self::failed(error)
-    }
-}
-
 /// A scene this backend cannot do, a file that is no image, a disk that is full: all of it is for the user to mend.
 impl From<rodsight_render::RenderError> for Failure {
     fn from(error: rodsight_render::RenderError) -> Self {
@@ -58,35 +60,52 @@ impl From<rodsight_render::RenderError> for Failure {
     }
 }
 
-/// The folder being written to, so that an interrupt can take away unfinished files.
-static OUTPUT: Mutex<Option<PathBuf>> = Mutex::new(None);
+/// Folders that were made for the output, innermost first: an answer of no leaves none of them behind.
+static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Makes an output folder, or says why not, before any long work starts.
-pub(crate) fn claim_output(folder: &std::path::Path) -> Result<(), Failure> {
-    use anyhow::Context as _;
+pub(crate) fn claim_output(folder: &Path) -> Result<(), Failure> {
+    let missing = folder
+        .ancestors()
+        .take_while(|path| !path.as_os_str().is_empty() && !path.exists());
+    MADE.lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .extend(missing.map(Path::to_owned));
     let probe = folder.join(".rodsight.part");
     std::fs::create_dir_all(folder)
-        .and_then(|()| std::fs::File::create(&probe))
-        .and_then(|_| std::fs::remove_file(&probe))
+        .and_then(|()| {
+            rodsight_render::write_whole(&probe, |_| Ok(())).map_err(std::io::Error::other)
+        })
+        .and_then(|()| std::fs::remove_file(&probe))
         .with_context(|| format!("{}: cannot write to this output folder", folder.display()))
-        .map_err(Failure::Input)?;
-    if let Ok(mut output) = OUTPUT.lock() {
-        *output = Some(folder.to_owned());
-    }
-    Ok(())
+        .map_err(Failure::Input)
 }
 
-/// On Ctrl-C: no unfinished file stays, exit code 130.
+/// Takes the folders back that were made and got no files.
+fn abandon_output() {
+    for folder in MADE
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .drain(..)
+    {
+        // What is not empty stays: that is what this call does with it.
+        drop(std::fs::remove_dir(folder));
+    }
+}
+
+/// On Ctrl-C, and when told to terminate: no unfinished file stays, exit code 130.
 pub(crate) fn on_interrupt() {
     let handler = || {
-        let folder = OUTPUT.lock().ok().and_then(|output| output.clone());
-        for entry in folder.and_then(|folder| std::fs::read_dir(folder).ok()).into_iter().flatten().flatten() {
-            if entry.path().extension().is_some_and(|extension| extension == "part") {
-                drop(std::fs::remove_file(entry.path()));
-            }
-        }
+        rodsight_render::discard_unfinished();
+        abandon_output();
         std::process::exit(130);
     };
     // Without a handler an interrupt still ends the run; only the tidying is lost.
     drop(ctrlc::set_handler(handler));
+    // A file larger than the limit (`ulimit -f`) is then an error of that file, and not the end of the program.
+    #[cfg(unix)]
+    drop(signal_hook::flag::register(
+        signal_hook::consts::SIGXFSZ,
+        Arc::default(),
+    ));
 }

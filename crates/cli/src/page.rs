@@ -1,5 +1,7 @@
 //! Self-contained HTML pages: one file, no script, no network.
 
+use std::io::Write;
+
 use minijinja::{Environment, context};
 use serde::Serialize;
 
@@ -46,20 +48,31 @@ pub(crate) struct Figure {
 impl Figure {
     /// A picture no wider than a page needs.
     pub(crate) fn new(picture: &Canvas, caption: impl Into<String>) -> Result<Self, Failure> {
-        Ok(Self { url: picture.shrunk(960).data_url()?, caption: caption.into() })
+        Ok(Self {
+            url: picture.shrunk(960).data_url()?,
+            caption: caption.into(),
+        })
     }
 }
 
 impl Page {
     pub(crate) fn to_html(&self) -> Result<String, Failure> {
         let mut environment = Environment::new();
-        environment.add_template("page.html", include_str!("page.html")).map_err(Failure::failed)?;
-        let template = environment.get_template("page.html").map_err(Failure::failed)?;
-        template.render(context! { page => minijinja::value::Serde(self) }).map_err(Failure::failed)
+        environment
+            .add_template("page.html", include_str!("page.html"))
+            .map_err(Failure::failed)?;
+        let template = environment
+            .get_template("page.html")
+            .map_err(Failure::failed)?;
+        template
+            .render(context! { page => minijinja::value::Serde(self) })
+            .map_err(Failure::failed)
     }
 
     pub(crate) fn write(&self, path: &std::path::Path) -> Result<(), Failure> {
-        std::fs::write(path, self.to_html()?)
-            .map_err(|error| Failure::Input(anyhow::anyhow!("{}: {error}", path.display())))
+        let html = self.to_html()?;
+        Ok(rodsight_render::write_whole(path, |file| {
+            file.write_all(html.as_bytes())
+        })?)
     }
 }

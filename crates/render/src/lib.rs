@@ -25,7 +25,9 @@ pub use noise::Philox;
 pub use srgb::{srgb_decode, srgb_encode};
 pub use truth::{ConeTruth, EyeTruth, GraspTruth, LineTruth, RodTruth, Truth, WaterTruth};
 pub use exr_file::read_exr;
-pub use write::{PairPaths, read_image, write_image, write_pair};
+pub use write::{
+    PairPaths, discard_unfinished, read_image, write_image, write_pair, write_whole,
+};
 
 use rodsight_scene::Scene;
 

@@ -3,11 +3,15 @@
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader};
+use image::{
+    ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat,
+    ImageReader,
+};
 use rodsight_geometry::{Eye, Image, RigFile, Samples};
-use rodsight_scene::Scene;
+use rodsight_scene::{Scene, SceneFile};
 
 use crate::RenderError;
 use crate::develop::Developed;
@@ -25,6 +29,7 @@ pub struct PairPaths {
     pub right_exr: PathBuf,
     pub truth_json: PathBuf,
     pub rig_toml: PathBuf,
+    pub scene_toml: PathBuf,
 }
 
 impl PairPaths {
@@ -37,6 +42,7 @@ impl PairPaths {
             right_exr: folder.join("right.exr"),
             truth_json: folder.join("truth.json"),
             rig_toml: folder.join("rig.toml"),
+            scene_toml: folder.join("scene.toml"),
         }
     }
 }
@@ -48,25 +54,39 @@ pub(crate) fn io(path: &Path, error: impl std::fmt::Display) -> RenderError {
     }
 }
 
-/// Writes `left.png right.png left.exr right.exr truth.json rig.toml` into an existing folder. Each file appears whole or not at
-/// all, and `truth.json` last: a folder with it is complete.
+/// Writes `left.png right.png rig.toml scene.toml truth.json` and, of the frame if one is given, `left.exr right.exr` into an
+/// existing folder. Each file appears whole or not at all, and `truth.json` last: a folder with it is complete and of one piece.
 ///
 /// # Errors
 /// The file that cannot be written and why.
 pub fn write_pair(
     folder: &Path,
     scene: &Scene,
-    frame: &Frame,
+    channels: Option<&Frame>,
     developed: &Developed,
     truth: &Truth,
 ) -> Result<PairPaths, RenderError> {
     let paths = PairPaths::in_folder(folder);
+    // What an earlier run left must not stand beside what comes now.
+    for stale in [&paths.truth_json, &paths.left_exr, &paths.right_exr] {
+        match std::fs::remove_file(stale) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(io(stale, error));
+            }
+            _ => {}
+        }
+    }
     write_image(&paths.left_png, &developed.left)?;
     write_image(&paths.right_png, &developed.right)?;
-    write_exr(&paths.left_exr, &frame.left)?;
-    write_exr(&paths.right_exr, &frame.right)?;
+    if let Some(frame) = channels {
+        write_exr(&paths.left_exr, &frame.left)?;
+        write_exr(&paths.right_exr, &frame.right)?;
+    }
     write_whole(&paths.rig_toml, |file| {
         file.write_all(RigFile::from_rig(&scene.rig).to_toml().as_bytes())
+    })?;
+    write_whole(&paths.scene_toml, |file| {
+        file.write_all(SceneFile::from_scene(scene).to_toml().as_bytes())
     })?;
     write_whole(&paths.truth_json, |file| {
         serde_json::to_writer_pretty(&mut *file, truth)?;
@@ -75,22 +95,48 @@ pub fn write_pair(
     Ok(paths)
 }
 
-/// Writes through a temporary neighbour, so that a full disk or a kill leaves no half file under the final name.
-pub(crate) fn write_whole(
+/// Temporary files that are being written.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Takes away what is half-written, for the end of an interrupted program: no file can be begun or finished any more.
+pub fn discard_unfinished() {
+    let unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+    for part in unfinished.iter() {
+        // Best effort: there is nobody left to tell.
+        drop(std::fs::remove_file(part));
+    }
+    std::mem::forget(unfinished);
+}
+
+/// Writes a file through a temporary neighbour, so that a full disk or a kill leaves no half file under the final name.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_whole(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
 ) -> Result<(), RenderError> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".part");
     let part = path.with_file_name(name);
-    let written = (|| {
-        let mut file = BufWriter::new(File::create(&part)?);
+    let unfinished = || UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+    // Under the lock, both: no file comes up between the last look at the list and the end of the program.
+    let begin = || {
+        let mut unfinished = unfinished();
+        unfinished.push(part.clone());
+        File::create(&part)
+    };
+    let end = |written: std::io::Result<()>| {
+        let mut unfinished = unfinished();
+        unfinished.retain(|other| *other != part);
+        written.and_then(|()| std::fs::rename(&part, path))
+    };
+    let written = begin().and_then(|file| {
+        let mut file = BufWriter::new(file);
         content(&mut file)?;
-        file.flush()?;
-        drop(file);
-        std::fs::rename(&part, path)
-    })();
-    written.map_err(|error| {
+        file.flush()
+    });
+    end(written).map_err(|error| {
         // Best effort: the error to report is the first one.
         drop(std::fs::remove_file(&part));
         io(path, error)
@@ -125,6 +171,9 @@ pub fn write_image(path: &Path, image: &Image) -> Result<(), RenderError> {
     })
 }
 
+/// The largest sensors have half of this.
+const LARGEST_IMAGE_PX: u64 = 1 << 28;
+
 /// Reads a PNG or JPEG, grey or RGB (transparency is dropped), 8 or 16 bits.
 ///
 /// # Errors
@@ -134,17 +183,26 @@ pub fn read_image(path: &Path) -> Result<Image, RenderError> {
     let reader = ImageReader::new(BufReader::new(file))
         .with_guessed_format()
         .map_err(|error| io(path, error))?;
-    if reader.format().is_none() {
-        return Err(io(path, "expected a PNG or JPEG image, found something else"));
+    let expected = "expected a PNG or JPEG image, found";
+    match reader.format() {
+        Some(ImageFormat::Png | ImageFormat::Jpeg) => {}
+        Some(other) => return Err(io(path, format!("{expected} {other:?}"))),
+        None => return Err(io(path, format!("{expected} something else"))),
     }
-    let decoder = reader.into_decoder().map_err(|error| io(path, error))?;
+    let broken = |error| io(path, format!("{expected} a broken one: {error}"));
+    let decoder = reader.into_decoder().map_err(broken)?;
     let (width, height) = decoder.dimensions();
+    // Before anything is allocated: a file of a few bytes may promise any size.
+    if u64::from(width) * u64::from(height) > LARGEST_IMAGE_PX {
+        let message = format!("expected at most {LARGEST_IMAGE_PX} pixels, found {width}×{height}");
+        return Err(io(path, message));
+    }
     let grey = matches!(
         decoder.color_type(),
         ColorType::L8 | ColorType::La8 | ColorType::L16 | ColorType::La16
     );
     let wide = decoder.color_type().bytes_per_pixel() / decoder.color_type().channel_count() == 2;
-    let decoded = DynamicImage::from_decoder(decoder).map_err(|error| io(path, error))?;
+    let decoded = DynamicImage::from_decoder(decoder).map_err(broken)?;
     let (channels, samples) = match (grey, wide) {
         (true, false) => (1, Samples::U8(decoded.into_luma8().into_raw())),
         (true, true) => (1, Samples::U16(decoded.into_luma16().into_raw())),

@@ -1,23 +1,25 @@
 //! `rodsight demo`.
 
+mod pictures;
+
+use std::io::Write;
 use std::path::Path;
 
-use anyhow::Context as _;
-use rodsight_geometry::{Eye, StereoPair, degrees};
 use rodsight_bench::{Errors, Limit, limit, measure};
-use rodsight_render::Truth;
+use rodsight_geometry::{Eye, StereoPair, degrees};
+use rodsight_render::{Truth, write_whole};
 use rodsight_scene::Scene;
-use rodsight_solver::{Estimate, EyeTrace, Method, PaperParams, Pick, Request, Roi, TimingMs, Trace, solve_traced};
+use rodsight_solver::{
+    Estimate, Method, PaperParams, Pick, Request, Roi, TimingMs, Trace, solve_traced,
+};
 use serde::Serialize;
 
 use crate::args::DemoArgs;
-use crate::commands::inspect::{eye_truth, grasp_px, provenance, rods_table};
-use crate::commands::render::{RenderTiming, Rendered, render, write};
+use crate::commands::render::{Channels, RenderTiming, Rendered, render, write};
 use crate::commands::solve::status_name;
 use crate::commands::{print_json, print_text};
 use crate::failure::{Failure, claim_output};
-use crate::page::{Figure, HtmlTable, Page, Section};
-use crate::picture::{Annotation, CYAN, Canvas, Colour, MAGENTA, annotated, close_up, figure6};
+use crate::progress::Progress;
 use crate::table::Table;
 
 /// The founding scene travels inside the program: the demo needs no file.
@@ -48,21 +50,28 @@ struct Solved {
 }
 
 pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
-    let scene = Scene::from_toml(PAPER_SCENE, Path::new("scenes/paper.toml")).map_err(Failure::input)?;
+    let scene =
+        Scene::from_toml(PAPER_SCENE, Path::new("scenes/paper.toml")).map_err(Failure::input)?;
     claim_output(&args.output)?;
     let mut rendered = render(&scene)?;
+    write(&args.output, &scene, &mut rendered, Channels::LeftOut)?;
+    let progress = Progress::busy("locating, drawing");
     let methods = solve_all(&scene, &rendered)?;
-    write(&args.output, &scene, &mut rendered)?;
-    write_pictures(&args.output, &rendered, &methods)?;
     let limit = limit(&rendered.truth).map_err(Failure::failed)?;
-    let result =
-        DemoResult { schema: 1, truth: &rendered.truth, limit, methods, render_timing_ms: rendered.timing_ms };
+    pictures::write(&args.output, &rendered, &methods)?;
+    let result = DemoResult {
+        schema: 1,
+        truth: &rendered.truth,
+        limit,
+        methods,
+        render_timing_ms: rendered.timing_ms,
+    };
     let path = args.output.join("result.json");
-    std::fs::write(&path, serde_json::to_vec_pretty(&result).map_err(Failure::failed)?)
-        .with_context(|| path.display().to_string())
-        .map_err(Failure::Input)?;
+    let json = serde_json::to_vec_pretty(&result).map_err(Failure::failed)?;
+    write_whole(&path, |file| file.write_all(&json))?;
     let index = args.output.join("index.html");
-    page(&rendered, limit.as_ref(), &result.methods)?.write(&index)?;
+    pictures::page(&rendered, limit.as_ref(), &result.methods)?.write(&index)?;
+    drop(progress);
     if args.json {
         return print_json(&result);
     }
@@ -71,21 +80,33 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
 }
 
 fn solve_all(scene: &Scene, rendered: &Rendered) -> Result<Vec<Solved>, Failure> {
-    let pair = StereoPair::new(scene.rig, rendered.developed.left.clone(), rendered.developed.right.clone())
-        .map_err(Failure::input)?;
+    let pair = StereoPair::new(
+        scene.rig,
+        rendered.developed.left.clone(),
+        rendered.developed.right.clone(),
+    )
+    .map_err(Failure::input)?;
     let truth = &rendered.truth;
     let request = Request {
         pair: &pair,
         roi_left: region(rendered, Eye::Left),
         roi_right: region(rendered, Eye::Right),
-        pick: Some(Pick { pixel: truth.grasp.pick_px.into(), eye: truth.grasp.pick_eye }),
+        pick: Some(Pick {
+            pixel: truth.grasp.pick_px.into(),
+            eye: truth.grasp.pick_eye,
+        }),
         radius: None,
     };
     Method::ALL
         .iter()
         .map(|&method| {
-            let (estimate, trace) = solve_traced(&request, method, &PaperParams::default()).map_err(Failure::input)?;
-            Ok(Solved { errors: measure(truth, &estimate).map_err(Failure::failed)?, estimate, trace })
+            let (estimate, trace) =
+                solve_traced(&request, method, &PaperParams::default()).map_err(Failure::input)?;
+            Ok(Solved {
+                errors: measure(truth, &estimate).map_err(Failure::failed)?,
+                estimate,
+                trace,
+            })
         })
         .collect()
 }
@@ -95,58 +116,25 @@ fn region(rendered: &Rendered, eye: Eye) -> Option<Roi> {
     let frame = rendered.frame.eye(eye);
     let instance = rendered.truth.target().instance;
     let seen = |column: u32, row: u32| frame.at(column, row).instance == instance;
-    let columns = (0..frame.width_px).filter(|&column| (0..frame.height_px).any(|row| seen(column, row)));
-    let rows = (0..frame.height_px).filter(|&row| (0..frame.width_px).any(|column| seen(column, row)));
+    let columns =
+        (0..frame.width_px).filter(|&column| (0..frame.height_px).any(|row| seen(column, row)));
+    let rows =
+        (0..frame.height_px).filter(|&row| (0..frame.width_px).any(|column| seen(column, row)));
     let span = |indices: Vec<u32>, size: u32| {
         let from = indices.first()?.saturating_sub(REGION_MARGIN_PX);
-        Some((from, (indices.last()? + 1 + REGION_MARGIN_PX).min(size) - from))
+        Some((
+            from,
+            (indices.last()? + 1 + REGION_MARGIN_PX).min(size) - from,
+        ))
     };
     let (x_px, width_px) = span(columns.collect(), frame.width_px)?;
     let (y_px, height_px) = span(rows.collect(), frame.height_px)?;
-    Some(Roi { x_px, y_px, width_px, height_px })
-}
-
-const METHOD_COLOURS: [(Colour, &str); 2] = [(MAGENTA, "magenta"), (CYAN, "cyan")];
-
-fn annotation<'a>(rendered: &'a Rendered, methods: &[Solved], eye: Eye) -> Annotation<'a> {
-    let found = methods.iter().zip(METHOD_COLOURS).filter_map(|(solved, (colour, _))| {
-        let lines = solved.estimate.centerlines.as_ref()?;
-        let line = match eye {
-            Eye::Left => lines.left,
-            Eye::Right => lines.right,
-        };
-        Some((line?, colour))
-    });
-    Annotation {
-        image: rendered.developed.eye(eye),
-        truth: eye_truth(rendered.truth.target(), eye),
-        found: found.collect(),
-        grasp_px: grasp_px(&rendered.truth, eye),
-    }
-}
-
-fn eye_trace(solved: &Solved, eye: Eye) -> &EyeTrace {
-    match eye {
-        Eye::Left => &solved.trace.left,
-        Eye::Right => &solved.trace.right,
-    }
-}
-
-fn write_pictures(folder: &Path, rendered: &Rendered, methods: &[Solved]) -> Result<(), Failure> {
-    for eye in Eye::BOTH {
-        let name = eye.name();
-        let annotation = annotation(rendered, methods, eye);
-        annotated(&annotation).write(&folder.join(format!("overlay-{name}.png")))?;
-        if let Some(near) = close_up(&annotation, 160, 90, 10) {
-            near.write(&folder.join(format!("closeup-{name}.png")))?;
-        }
-        if let Some(solved) = methods.first() {
-            for (panel, _, picture) in figure6(eye_trace(solved, eye)) {
-                picture.write(&folder.join(format!("figure6-{name}-{panel}.png")))?;
-            }
-        }
-    }
-    Ok(())
+    Some(Roi {
+        x_px,
+        y_px,
+        width_px,
+        height_px,
+    })
 }
 
 /// Every number that is compared: its name, the truth, what each method says, the statistical limit.
@@ -155,26 +143,85 @@ fn comparison(truth: &Truth, limit: Option<&Limit>, methods: &[Solved]) -> Vec<V
     let angle = |v: f64| format!("{:.4}", degrees(v));
     let metres = |v: [f64; 3]| format!("{:.4}, {:.4}, {:.4}", v[0], v[1], v[2]);
     let none = || "–".to_owned();
-    let row = |name: &str, true_value: String, value: &dyn Fn(&Solved) -> Option<String>, limit: Option<String>| {
-        let cells = methods.iter().map(|solved| value(solved).unwrap_or_else(none));
+    let row = |name: &str,
+               true_value: String,
+               value: &dyn Fn(&Solved) -> Option<String>,
+               limit: Option<String>| {
+        let cells = methods
+            .iter()
+            .map(|solved| value(solved).unwrap_or_else(none));
         let ends = ([name.to_owned(), true_value], limit.unwrap_or_default());
-        ends.0.into_iter().chain(cells).chain([ends.1]).collect::<Vec<_>>()
+        ends.0
+            .into_iter()
+            .chain(cells)
+            .chain([ends.1])
+            .collect::<Vec<_>>()
     };
     let error = |name: &str, value: &dyn Fn(&Errors) -> Option<String>, limit: Option<String>| {
-        row(name, "0".to_owned(), &|solved| value(solved.errors.as_ref()?), limit)
+        row(
+            name,
+            "0".to_owned(),
+            &|solved| value(solved.errors.as_ref()?),
+            limit,
+        )
     };
     vec![
-        row("status", String::new(), &|s| Some(status_name(s.estimate.status).to_owned()), None),
-        row("grasp, m", metres(truth.grasp.point_m), &|s| Some(metres(s.estimate.grasp?.point_m?)), None),
-        row("direction", metres(truth.grasp.axis.direction), &|s| Some(metres(s.estimate.axis?.direction?)), None),
-        row("radius, mm", mm(truth.target().radius_m), &|s| s.estimate.radius_m.map(mm), None),
-        error("error: axis at the grasp, mm", &|e| Some(mm(e.axis_offset_m)), limit.map(|l| mm(l.axis_offset_m))),
+        row(
+            "status",
+            String::new(),
+            &|s| Some(status_name(s.estimate.status).to_owned()),
+            None,
+        ),
+        row(
+            "grasp, m",
+            metres(truth.grasp.point_m),
+            &|s| Some(metres(s.estimate.grasp?.point_m?)),
+            None,
+        ),
+        row(
+            "direction",
+            metres(truth.grasp.axis.direction),
+            &|s| Some(metres(s.estimate.axis?.direction?)),
+            None,
+        ),
+        row(
+            "radius, mm",
+            mm(truth.target().radius_m),
+            &|s| s.estimate.radius_m.map(mm),
+            None,
+        ),
+        error(
+            "error: axis at the grasp, mm",
+            &|e| Some(mm(e.axis_offset_m)),
+            limit.map(|l| mm(l.axis_offset_m)),
+        ),
         error("error: depth, mm", &|e| Some(mm(e.depth_m)), None),
-        error("error: axis angle, °", &|e| Some(angle(e.axis_angle_rad)), limit.map(|l| angle(l.axis_angle_rad))),
-        error("error: grasp across the rod, mm", &|e| Some(mm(e.grasp?.across_m)), None),
-        error("error: grasp along the rod, mm", &|e| Some(mm(e.grasp?.along_m)), None),
-        error("error: radius, mm", &|e| e.radius_m.map(mm), limit.map(|l| mm(l.radius_m))),
-        row("claimed σ of the grasp, mm", String::new(), &|s| claimed_sigma_m(s).map(mm), None),
+        error(
+            "error: axis angle, °",
+            &|e| Some(angle(e.axis_angle_rad)),
+            limit.map(|l| angle(l.axis_angle_rad)),
+        ),
+        error(
+            "error: grasp across the rod, mm",
+            &|e| Some(mm(e.grasp?.across_m)),
+            None,
+        ),
+        error(
+            "error: grasp along the rod, mm",
+            &|e| Some(mm(e.grasp?.along_m)),
+            None,
+        ),
+        error(
+            "error: radius, mm",
+            &|e| e.radius_m.map(mm),
+            limit.map(|l| mm(l.radius_m)),
+        ),
+        row(
+            "claimed σ of the grasp, mm",
+            String::new(),
+            &|s| claimed_sigma_m(s).map(mm),
+            None,
+        ),
     ]
 }
 
@@ -185,8 +232,12 @@ fn claimed_sigma_m(solved: &Solved) -> Option<f64> {
 
 fn timing(methods: &[Solved]) -> Vec<Vec<String>> {
     let stage = |name: &str, value: fn(&TimingMs) -> f64| {
-        let cells = methods.iter().map(|solved| format!("{:.2}", value(&solved.estimate.timing_ms)));
-        std::iter::once(name.to_owned()).chain(cells).collect::<Vec<_>>()
+        let cells = methods
+            .iter()
+            .map(|solved| format!("{:.2}", value(&solved.estimate.timing_ms)));
+        std::iter::once(name.to_owned())
+            .chain(cells)
+            .collect::<Vec<_>>()
     };
     vec![
         stage("segment", |t| t.segment),
@@ -213,7 +264,9 @@ fn compared_header(methods: &[Solved]) -> Vec<String> {
 fn in_words(rendered: &Rendered, limit: Option<&Limit>, methods: &[Solved]) -> String {
     let text_table = |header: Vec<String>, rows: Vec<Vec<String>>| {
         let mut table = Table::new(header);
-        rows.into_iter().for_each(|row| table.row(row));
+        for row in rows {
+            table.row(row);
+        }
         table.to_string()
     };
     let truth = &rendered.truth;
@@ -228,80 +281,9 @@ fn in_words(rendered: &Rendered, limit: Option<&Limit>, methods: &[Solved]) -> S
     text += &text_table(compared_header(methods), comparison(truth, limit, methods));
     for solved in methods {
         if let Some(reason) = &solved.estimate.reason {
-            text += &format!("  {}: {reason}\n", solved.estimate.method);
+            text += &["  ", &solved.estimate.method, ": ", reason, "\n"].concat();
         }
     }
     text += "\nTime, ms\n";
     text + &text_table(header(&["stage"], methods), timing(methods))
-}
-
-fn page(rendered: &Rendered, limit: Option<&Limit>, methods: &[Solved]) -> Result<Page, Failure> {
-    let truth = &rendered.truth;
-    let colours: Vec<String> = methods
-        .iter()
-        .zip(METHOD_COLOURS)
-        .map(|(solved, (_, colour))| format!("{} {colour}", solved.estimate.method))
-        .collect();
-    let legend = format!("true limbs yellow, true axis green; found axes: {}", colours.join(", "));
-    let mut pairs = Vec::new();
-    let mut overlays = Vec::new();
-    let mut panels = Vec::new();
-    for eye in Eye::BOTH {
-        let annotation = annotation(rendered, methods, eye);
-        let image = Canvas::of_whole_image(annotation.image);
-        pairs.push(Figure::new(&image, format!("{} image, as the sensor gives it", eye.name()))?);
-        overlays.push(Figure::new(&annotated(&annotation), format!("{} image: {legend}", eye.name()))?);
-        if let Some(near) = close_up(&annotation, 160, 90, 10) {
-            overlays.push(Figure::new(&near, format!("{}: around the grasp, ten times", eye.name()))?);
-        }
-        if let Some(solved) = methods.first() {
-            for (_, caption, picture) in figure6(eye_trace(solved, eye)) {
-                panels.push(Figure::new(&picture, format!("{}: {caption}", eye.name()))?);
-            }
-        }
-    }
-    let section = |heading: &str, text: &str, tables: Vec<HtmlTable>, figures: Vec<Figure>, columns: usize| Section {
-        heading: heading.to_owned(),
-        text: text.to_owned(),
-        tables,
-        figures,
-        columns,
-    };
-    let compared = HtmlTable {
-        caption: "In the rig frame: x forward, y starboard, z down".to_owned(),
-        header: compared_header(methods),
-        rows: comparison(truth, limit, methods),
-    };
-    let times = HtmlTable {
-        caption: "Wall-clock time of each stage, ms (both eyes side by side)".to_owned(),
-        header: header(&["stage"], methods),
-        rows: timing(methods),
-    };
-    Ok(Page {
-        title: "rodsight: the founding scene".to_owned(),
-        lead: format!(
-            "A cable under water ({}), seen by two cameras a metre apart: where it is, where it was found, and how far off that is.",
-            truth.water.label
-        ),
-        sections: vec![
-            section("The pair", "", Vec::new(), pairs, 2),
-            section(
-                "Truth and estimates",
-                "Both methods start from the same edges. The paper averages the two limbs of each image, which puts the axis r²/Z too \
-                 near; paper-bisector takes the plane that bisects the two tangent planes.",
-                vec![compared, rods_table(truth), times],
-                Vec::new(),
-                1,
-            ),
-            section("Overlay", "", Vec::new(), overlays, 2),
-            section(
-                "The paper's figure 6",
-                "Pixels taken for rod (brown) and their edges (white), Hough's lines (cyan), the lines fitted to the edges nearby (magenta).",
-                Vec::new(),
-                panels,
-                4,
-            ),
-        ],
-        provenance: provenance(truth),
-    })
 }

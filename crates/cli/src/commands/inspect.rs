@@ -3,52 +3,60 @@
 use std::path::Path;
 
 use anyhow::Context as _;
-use rodsight_geometry::{Eye, Image, Pixel, Vec3, degrees};
-use rodsight_render::{EyeFrame, EyeTruth, PairPaths, RodTruth, Truth, read_exr, read_image};
+use rodsight_geometry::{Eye, Pixel, Vec3, degrees};
+use rodsight_render::{EyeTruth, PairPaths, RodTruth, Truth, read_exr, read_image};
 
 use crate::args::InspectArgs;
 use crate::commands::{print_json, print_text};
 use crate::failure::Failure;
 use crate::page::{Figure, HtmlTable, Page, Section};
 use crate::picture::{Annotation, Canvas, annotated, channel_panels, close_up};
+use crate::progress::Progress;
 
 pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     let paths = PairPaths::in_folder(&args.folder);
     let truth = load_truth(&paths.truth_json)?;
-    let eye = |eye: Eye, png: &Path, exr: &Path| -> Result<_, Failure> {
-        let (image, frame) = (read_image(png)?, read_exr(exr)?);
-        if (image.width_px(), image.height_px()) != (frame.width_px, frame.height_px) {
-            return Err(Failure::Input(anyhow::anyhow!(
-                "{}: expected {}×{} px as in {}, found {}×{}",
-                png.display(),
-                frame.width_px,
-                frame.height_px,
-                exr.display(),
-                image.width_px(),
-                image.height_px()
-            )));
-        }
-        Ok(EyePictures::new(&truth, eye, &image, &frame))
-    };
-    let left = eye(Eye::Left, &paths.left_png, &paths.left_exr)?;
-    let right = eye(Eye::Right, &paths.right_png, &paths.right_exr)?;
+    let progress = Progress::busy("drawing");
+    let left = EyePictures::load(&truth, Eye::Left, &paths.left_png, &paths.left_exr)?;
+    let right = EyePictures::load(&truth, Eye::Right, &paths.right_png, &paths.right_exr)?;
 
     let sheet_rows: Vec<Vec<Canvas>> = [&left, &right]
         .into_iter()
         .flat_map(|eye| {
-            let pictures = eye.all();
-            let small = |range: std::ops::Range<usize>| pictures[range].iter().map(|(_, c)| c.shrunk(800)).collect();
-            [small(0..2), small(2..pictures.len())]
+            let small = |c: &Canvas| c.shrunk(800);
+            let image = std::iter::once(&eye.whole)
+                .chain(&eye.near)
+                .map(small)
+                .collect();
+            [
+                image,
+                eye.channels
+                    .iter()
+                    .map(|(_, channel)| small(channel))
+                    .collect::<Vec<_>>(),
+            ]
         })
+        .filter(|row| !row.is_empty())
         .collect();
     let sheet = args.folder.join("inspect.png");
     Canvas::sheet(&sheet_rows).write(&sheet)?;
     let page = args.folder.join("inspect.html");
     inspection_page(&truth, [&left, &right])?.write(&page)?;
+    drop(progress);
     if args.json {
         return print_json(&truth);
     }
-    print_text(&format!("{}\n{}\n{}", sheet.display(), page.display(), in_words(&truth)))
+    let missing = if left.channels.is_empty() || right.channels.is_empty() {
+        "no left.exr, right.exr: without depth, instances and scattered light (`rodsight render` writes them)\n"
+    } else {
+        ""
+    };
+    print_text(&format!(
+        "{}\n{}\n{missing}{}",
+        sheet.display(),
+        page.display(),
+        in_words(&truth)
+    ))
 }
 
 fn load_truth(path: &Path) -> Result<Truth, Failure> {
@@ -58,6 +66,7 @@ fn load_truth(path: &Path) -> Result<Truth, Failure> {
         .with_context(|| format!("{}: expected the truth written by `rodsight render`", path.display()))
         .map_err(Failure::Input)
         .and_then(|truth: Truth| {
+            truth.rig.to_rig(path).map_err(Failure::input)?;
             if truth.schema == Truth::SCHEMA && truth.grasp.rod < truth.rods.len() {
                 return Ok(truth);
             }
@@ -77,26 +86,62 @@ struct EyePictures {
     eye: Eye,
     whole: Canvas,
     near: Option<Canvas>,
-    channels: [(&'static str, Canvas); 3],
+    /// Empty where there is no file of them.
+    channels: Vec<(&'static str, Canvas)>,
 }
 
 impl EyePictures {
-    fn new(truth: &Truth, eye: Eye, image: &Image, frame: &EyeFrame) -> Self {
-        let annotation =
-            Annotation { image, truth: eye_truth(truth.target(), eye), found: Vec::new(), grasp_px: grasp_px(truth, eye) };
-        Self {
+    fn load(truth: &Truth, eye: Eye, png: &Path, exr: &Path) -> Result<Self, Failure> {
+        let camera = match eye {
+            Eye::Left => &truth.rig.left,
+            Eye::Right => &truth.rig.right,
+        };
+        let expected = (camera.width_px, camera.height_px);
+        let check = |path: &Path, found: (u32, u32)| {
+            let (path, (w, h), (found_w, found_h)) = (path.display(), expected, found);
+            if found == expected {
+                return Ok(());
+            }
+            Err(Failure::Input(anyhow::anyhow!(
+                "{path}: expected {w}×{h} px as in truth.json, found {found_w}×{found_h}"
+            )))
+        };
+        let image = read_image(png)?;
+        check(png, (image.width_px(), image.height_px()))?;
+        let mut channels = Vec::new();
+        if exr.exists() {
+            let frame = read_exr(exr)?;
+            check(exr, (frame.width_px, frame.height_px))?;
+            channels.extend(channel_panels(&frame, truth.gain));
+        }
+        let annotation = Annotation {
+            image: &image,
+            truth: eye_truth(truth.target(), eye),
+            found: Vec::new(),
+            grasp_px: grasp_px(truth, eye),
+        };
+        Ok(Self {
             eye,
             whole: annotated(&annotation),
             near: close_up(&annotation, 160, 90, 10),
-            channels: channel_panels(frame, truth.gain),
-        }
+            channels,
+        })
     }
 
     fn all(&self) -> Vec<(String, &Canvas)> {
         let name = self.eye.name();
-        let whole = (format!("{name}: true limbs yellow, true axis green, grasp ×"), &self.whole);
-        let near = self.near.iter().map(|near| (format!("{name}: around the grasp, ten times"), near));
-        let channels = self.channels.iter().map(|(what, picture)| (format!("{name}: {what}"), picture));
+        let whole = (
+            format!("{name}: true limbs yellow, true axis green, grasp ×"),
+            &self.whole,
+        );
+        let near = self
+            .near
+            .iter()
+            .map(|near| (format!("{name}: around the grasp, ten times"), near));
+        let channels = self
+            .channels
+            .iter()
+            .map(|(what, picture)| (format!("{name}: {what}"), picture));
         std::iter::once(whole).chain(near).chain(channels).collect()
     }
 }
@@ -117,7 +162,11 @@ pub(crate) fn grasp_px(truth: &Truth, eye: Eye) -> Option<Pixel> {
 fn inspection_page(truth: &Truth, eyes: [&EyePictures; 2]) -> Result<Page, Failure> {
     let mut sections = Vec::new();
     for eye in eyes {
-        let figures: Result<Vec<_>, _> = eye.all().into_iter().map(|(caption, c)| Figure::new(c, caption)).collect();
+        let figures: Result<Vec<_>, _> = eye
+            .all()
+            .into_iter()
+            .map(|(caption, c)| Figure::new(c, caption))
+            .collect();
         sections.push(Section {
             heading: format!("The {} eye", eye.eye.name()),
             text: String::new(),
@@ -135,7 +184,10 @@ fn inspection_page(truth: &Truth, eyes: [&EyePictures; 2]) -> Result<Page, Failu
     });
     Ok(Page {
         title: format!("Truth of \"{}\"", truth.scene),
-        lead: format!("A stereo pair in {} water, mode {:?}, with what is to be found in it.", truth.water.label, truth.mode),
+        lead: format!(
+            "A stereo pair in {} water, mode {:?}, with what is to be found in it.",
+            truth.water.label, truth.mode
+        ),
         sections,
         provenance: provenance(truth),
     })
@@ -156,7 +208,15 @@ pub(crate) fn provenance(truth: &Truth) -> Vec<(String, String)> {
 
 pub(crate) fn rods_table(truth: &Truth) -> HtmlTable {
     let metres = |v: &[f64; 3]| format!("{:.4}, {:.4}, {:.4}", v[0], v[1], v[2]);
-    let header = ["rod", "point, m", "direction", "radius, mm", "to the baseline", "visible px (left, right)", "contrast/noise per limb (left; right)"];
+    let header = [
+        "rod",
+        "point, m",
+        "direction",
+        "radius, mm",
+        "to the baseline",
+        "visible px (left, right)",
+        "contrast/noise per limb (left; right)",
+    ];
     let rows = truth.rods.iter().map(|rod| {
         vec![
             rod.id.clone(),
@@ -169,25 +229,33 @@ pub(crate) fn rods_table(truth: &Truth) -> HtmlTable {
         ]
     });
     HtmlTable {
-        caption: format!("Rods; grasp on \"{}\" at {} m", truth.target().id, metres(&truth.grasp.point_m)),
+        caption: format!(
+            "Rods; grasp on \"{}\" at {} m",
+            truth.target().id,
+            metres(&truth.grasp.point_m)
+        ),
         header: header.map(str::to_owned).to_vec(),
         rows: rows.collect(),
     }
 }
 
 fn contrast(eye: &EyeTruth) -> String {
-    let [a, b] = eye.contrast_to_noise.map(|c| c.map_or_else(|| "–".to_owned(), |c| format!("{c:.1}")));
+    let [a, b] = eye
+        .contrast_to_noise
+        .map(|c| c.map_or_else(|| "–".to_owned(), |c| format!("{c:.1}")));
     format!("{a}, {b}")
 }
 
 fn in_words(truth: &Truth) -> String {
-    let mut text = String::new();
     let table = rods_table(truth);
-    text += &format!("{}\n", table.caption);
-    for row in &table.rows {
-        for (name, value) in table.header.iter().zip(row) {
-            text += &format!("  {name}: {value}\n");
-        }
-    }
-    text
+    let named = |row: &Vec<String>| -> Vec<String> {
+        let pairs = table.header.iter().zip(row);
+        pairs
+            .map(|(name, value)| format!("  {name}: {value}"))
+            .collect()
+    };
+    let rows = table.rows.iter().flat_map(named);
+    let mut lines: Vec<String> = std::iter::once(table.caption.clone()).chain(rows).collect();
+    lines.push(String::new());
+    lines.join("\n")
 }

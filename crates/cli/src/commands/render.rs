@@ -3,8 +3,10 @@
 use std::path::Path;
 use std::time::Instant;
 
-use rodsight_render::{CpuRenderer, Developed, Frame, PairPaths, Renderer, Truth, develop, write_pair};
-use rodsight_scene::{Scene, SceneFile};
+use rodsight_render::{
+    CpuRenderer, Developed, Frame, PairPaths, Renderer, Truth, develop, write_pair,
+};
+use rodsight_scene::Scene;
 use serde::Serialize;
 
 use crate::args::{Backend, RenderArgs};
@@ -45,14 +47,23 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         scene.seed = seed;
     }
     if args.backend == Backend::Gpu {
-        return Err(Failure::Input(anyhow::anyhow!(
-            "--backend gpu: this version has the cpu backend only; leave the option out or say --backend cpu"
+        return Err(Failure::NoAdapter(anyhow::anyhow!(
+            "--backend gpu: expected a graphics card, found none: this version has the cpu backend only; leave the option out \
+             or say --backend cpu"
         )));
     }
     claim_output(&args.output)?;
     let mut rendered = render(&scene)?;
-    let paths = write(&args.output, &scene, &mut rendered)?;
-    let files = [&paths.left_png, &paths.right_png, &paths.left_exr, &paths.right_exr, &paths.rig_toml, &paths.truth_json];
+    let paths = write(&args.output, &scene, &mut rendered, Channels::Written)?;
+    let files = [
+        &paths.left_png,
+        &paths.right_png,
+        &paths.left_exr,
+        &paths.right_exr,
+        &paths.rig_toml,
+        &paths.scene_toml,
+        &paths.truth_json,
+    ];
     if args.json {
         return print_json(&Summary {
             schema: 1,
@@ -60,7 +71,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             seed: scene.seed,
             backend: rendered.frame.backend,
             adapter: &rendered.frame.adapter,
-            files: files.iter().map(|path| path.display().to_string()).collect(),
+            files: files
+                .iter()
+                .map(|path| path.display().to_string())
+                .collect(),
             timing_ms: rendered.timing_ms,
         });
     }
@@ -89,19 +103,42 @@ pub(crate) fn render(scene: &Scene) -> Result<Rendered, Failure> {
     let start = Instant::now();
     let developed = develop(&frame, scene)?;
     let develop_ms = start.elapsed().as_secs_f64() * 1e3;
-    let truth = Truth::of(scene, &frame, developed.gain)
-        .ok_or_else(|| Failure::Input(anyhow::anyhow!("scene \"{}\": its grasp point cannot be picked", scene.id)))?;
-    Ok(Rendered { frame, developed, truth, timing_ms: RenderTiming { render: render_ms, develop: develop_ms, write: 0.0 } })
+    let truth = Truth::of(scene, &frame, developed.gain).ok_or_else(|| {
+        Failure::Input(anyhow::anyhow!(
+            "scene \"{}\": its grasp point cannot be picked",
+            scene.id
+        ))
+    })?;
+    Ok(Rendered {
+        frame,
+        developed,
+        truth,
+        timing_ms: RenderTiming {
+            render: render_ms,
+            develop: develop_ms,
+            write: 0.0,
+        },
+    })
+}
+
+/// Whether the truth channels, 35 MB an eye, are wanted on disk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Channels {
+    Written,
+    LeftOut,
 }
 
 /// Writes the pair and the resolved scene.
-pub(crate) fn write(folder: &Path, scene: &Scene, rendered: &mut Rendered) -> Result<PairPaths, Failure> {
-    let _progress = Progress::new("writing");
+pub(crate) fn write(
+    folder: &Path,
+    scene: &Scene,
+    rendered: &mut Rendered,
+    channels: Channels,
+) -> Result<PairPaths, Failure> {
+    let _progress = Progress::busy("writing");
     let start = Instant::now();
-    let resolved = folder.join("scene.toml");
-    std::fs::write(&resolved, SceneFile::from_scene(scene).to_toml())
-        .map_err(|error| Failure::Input(anyhow::anyhow!("{}: {error}", resolved.display())))?;
-    let paths = write_pair(folder, scene, &rendered.frame, &rendered.developed, &rendered.truth)?;
+    let frame = (channels == Channels::Written).then_some(&rendered.frame);
+    let paths = write_pair(folder, scene, frame, &rendered.developed, &rendered.truth)?;
     rendered.timing_ms.write = start.elapsed().as_secs_f64() * 1e3;
     Ok(paths)
 }

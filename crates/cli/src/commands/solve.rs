@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use rodsight_geometry::{Rig, StereoPair, config, degrees};
+use anyhow::Context as _;
+use rodsight_geometry::{ImageError, Rig, StereoPair, config, degrees};
 use rodsight_render::read_image;
 use rodsight_solver::{Estimate, PaperParams, Request, Status, solve_traced};
 
@@ -10,11 +11,25 @@ use crate::args::SolveArgs;
 use crate::commands::{print_json, print_text};
 use crate::failure::{Failure, claim_output};
 use crate::picture;
+use crate::progress::Progress;
 use crate::table::Table;
 
 pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let rig = Rig::load(&args.rig).map_err(Failure::input)?;
-    let pair = StereoPair::new(rig, read_image(&args.left)?, read_image(&args.right)?).map_err(Failure::input)?;
+    let pair = StereoPair::new(rig, read_image(&args.left)?, read_image(&args.right)?).map_err(
+        |error| {
+            let file = if matches!(error, ImageError::Size { eye: "right", .. }) {
+                &args.right
+            } else {
+                &args.left
+            };
+            Failure::Input(anyhow::anyhow!(
+                "{}: {error} ({})",
+                file.display(),
+                args.rig.display()
+            ))
+        },
+    )?;
     let params = match &args.params {
         Some(path) => load_params(path)?,
         None => PaperParams::default(),
@@ -29,34 +44,59 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         pick: args.pick,
         radius: args.radius_m,
     };
+    let progress = Progress::busy("locating");
     let (estimate, trace) = solve_traced(&request, args.method, &params).map_err(Failure::input)?;
     if let Some(folder) = &args.trace {
         picture::write_trace(folder, &trace)?;
     }
+    drop(progress);
     if args.json {
         print_json(&estimate)?;
     } else {
         print_text(&in_words(&estimate))?;
     }
-    if estimate.status == Status::Refused { Err(Failure::Refused) } else { Ok(()) }
+    if estimate.status == Status::Refused {
+        Err(Failure::Refused)
+    } else {
+        Ok(())
+    }
 }
 
 fn load_params(path: &Path) -> Result<PaperParams, Failure> {
-    config::read_text(path).and_then(|text| config::parse_toml(&text, path)).map_err(Failure::input)
+    let params: PaperParams = config::read_text(path)
+        .and_then(|text| config::parse_toml(&text, path))
+        .map_err(Failure::input)?;
+    params
+        .validate()
+        .with_context(|| path.display().to_string())
+        .map_err(Failure::Input)?;
+    Ok(params)
 }
 
 fn in_words(estimate: &Estimate) -> String {
-    let mut table = Table::new(["", "x forward", "y starboard", "z down", "σ"].map(str::to_owned).to_vec());
+    let mut table = Table::new(
+        ["", "x forward", "y starboard", "z down", "σ"]
+            .map(str::to_owned)
+            .to_vec(),
+    );
     let row = |table: &mut Table, name: &str, values: [f64; 3], digits: usize, sigma: String| {
         let [x, y, z] = values.map(|v| format!("{v:.digits$}"));
         table.row(vec![name.to_owned(), x, y, z, sigma]);
     };
     if let Some(axis) = &estimate.axis {
         if let Some(point) = axis.point_m {
-            row(&mut table, "axis point, m", point, 4, sigma_m(axis.covariance.map(|c| [c[0][0], c[1][1], c[2][2]])));
+            row(
+                &mut table,
+                "axis point, m",
+                point,
+                4,
+                sigma_m(axis.covariance.map(|c| [c[0][0], c[1][1], c[2][2]])),
+            );
         }
         if let Some(direction) = axis.direction {
-            let sigma = axis.covariance.map(|c| libm::sqrt(c[3][3] + c[4][4] + c[5][5]));
+            let sigma = axis
+                .covariance
+                .map(|c| libm::sqrt(c[3][3] + c[4][4] + c[5][5]));
             let sigma = sigma.map_or_else(String::new, |rad| format!("{:.3}°", degrees(rad)));
             row(&mut table, "axis direction", direction, 5, sigma);
         }
@@ -64,21 +104,33 @@ fn in_words(estimate: &Estimate) -> String {
     if let Some(grasp) = &estimate.grasp
         && let Some(point) = grasp.point_m
     {
-        row(&mut table, "grasp, m", point, 4, sigma_m(grasp.covariance_m2.map(|c| [c[0][0], c[1][1], c[2][2]])));
+        row(
+            &mut table,
+            "grasp, m",
+            point,
+            4,
+            sigma_m(grasp.covariance_m2.map(|c| [c[0][0], c[1][1], c[2][2]])),
+        );
     }
-    let mut text = format!("{}: {}\n", estimate.method, status_name(estimate.status));
-    if let Some(reason) = &estimate.reason {
-        text += &format!("  {reason}\n");
-    }
-    text += &table.to_string();
+    let mut lines = vec![format!(
+        "{}: {}",
+        estimate.method,
+        status_name(estimate.status)
+    )];
+    lines.extend(estimate.reason.iter().map(|reason| format!("  {reason}")));
+    lines.extend(table.to_string().lines().map(str::to_owned));
     if let (Some(radius_m), Some(sigma_m)) = (estimate.radius_m, estimate.radius_sigma_m) {
-        text += &format!("radius {:.1} mm, σ {:.1} mm\n", radius_m * 1e3, sigma_m * 1e3);
+        let [radius_mm, sigma_mm] = [radius_m, sigma_m].map(|v| v * 1e3);
+        lines.push(format!("radius {radius_mm:.1} mm, σ {sigma_mm:.1} mm"));
     }
-    text + &format!("{:.1} ms\n", estimate.timing_ms.total)
+    lines.push(format!("{:.1} ms\n", estimate.timing_ms.total));
+    lines.join("\n")
 }
 
 fn sigma_m(variances: Option<[f64; 3]>) -> String {
-    variances.map_or_else(String::new, |v| format!("{:.1} mm", libm::sqrt(v.iter().sum::<f64>()) * 1e3))
+    variances.map_or_else(String::new, |v| {
+        format!("{:.1} mm", libm::sqrt(v.iter().sum::<f64>()) * 1e3)
+    })
 }
 
 pub(crate) fn status_name(status: Status) -> &'static str {

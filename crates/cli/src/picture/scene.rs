@@ -2,8 +2,9 @@
 
 use rodsight_geometry::{Image, ImageLine, Pixel};
 use rodsight_render::{EyeFrame, EyeTruth, srgb_encode};
+use rodsight_solver::Roi;
 
-use super::canvas::{Canvas, Colour, Window};
+use super::canvas::{Canvas, Colour};
 use super::{GREEN, YELLOW};
 
 /// What is drawn on one image.
@@ -22,19 +23,28 @@ pub(crate) fn annotated(annotation: &Annotation<'_>) -> Canvas {
 }
 
 /// The surroundings of the grasp, magnified.
-pub(crate) fn close_up(annotation: &Annotation<'_>, width_px: u32, height_px: u32, magnify: u32) -> Option<Canvas> {
+pub(crate) fn close_up(
+    annotation: &Annotation<'_>,
+    width_px: u32,
+    height_px: u32,
+    magnify: u32,
+) -> Option<Canvas> {
     let image = annotation.image;
     let centre = annotation.grasp_px?;
     let start = |middle: f64, size: u32, limit: u32| {
         (middle - f64::from(size) / 2.0).clamp(0.0, f64::from(limit.saturating_sub(size))) as u32
     };
-    let window = Window {
+    let window = Roi {
         x_px: start(centre.x, width_px, image.width_px()),
         y_px: start(centre.y, height_px, image.height_px()),
         width_px: width_px.min(image.width_px()),
         height_px: height_px.min(image.height_px()),
     };
-    Some(draw(annotation, Canvas::of_image(image, window, magnify), 1.5))
+    Some(draw(
+        annotation,
+        Canvas::of_image(image, window, magnify),
+        1.5,
+    ))
 }
 
 fn draw(annotation: &Annotation<'_>, mut canvas: Canvas, width_px: f64) -> Canvas {
@@ -45,7 +55,11 @@ fn draw(annotation: &Annotation<'_>, mut canvas: Canvas, width_px: f64) -> Canva
         canvas.line(&lines.axis, GREEN, width_px);
     }
     if let Some(curves) = &truth.curves {
-        for (curve, colour) in [(&curves.plus_limb, YELLOW), (&curves.minus_limb, YELLOW), (&curves.axis, GREEN)] {
+        for (curve, colour) in [
+            (&curves.plus_limb, YELLOW),
+            (&curves.minus_limb, YELLOW),
+            (&curves.axis, GREEN),
+        ] {
             let points: Vec<Pixel> = curve.iter().map(|&point| point.into()).collect();
             canvas.polyline(&points, colour, width_px);
         }
@@ -61,19 +75,45 @@ fn draw(annotation: &Annotation<'_>, mut canvas: Canvas, width_px: f64) -> Canva
 
 /// Depth, instances and the light scattered by the water of one eye.
 pub(crate) fn channel_panels(frame: &EyeFrame, gain: f64) -> [(&'static str, Canvas); 3] {
-    let window = Window { x_px: 0, y_px: 0, width_px: frame.width_px, height_px: frame.height_px };
-    let near = frame.pixels.iter().map(|p| p.depth_m).fold(f32::INFINITY, f32::min);
-    let far = frame.pixels.iter().map(|p| p.depth_m).filter(|d| d.is_finite()).fold(near, f32::max).min(near * 6.0);
+    let window = Roi {
+        x_px: 0,
+        y_px: 0,
+        width_px: frame.width_px,
+        height_px: frame.height_px,
+    };
+    let near = frame
+        .pixels
+        .iter()
+        .map(|p| p.depth_m)
+        .fold(f32::INFINITY, f32::min);
+    let far = frame
+        .pixels
+        .iter()
+        .map(|p| p.depth_m)
+        .filter(|d| d.is_finite())
+        .fold(near, f32::max)
+        .min(near * 6.0);
     let depth = Canvas::of(window, 1, |x, y| {
         let depth_m = frame.at(x, y).depth_m;
-        if depth_m.is_finite() { viridis(1.0 - f64::from((depth_m - near) / (far - near).max(1e-6))) } else { Colour(0, 0, 0) }
+        if depth_m.is_finite() {
+            viridis(1.0 - f64::from((depth_m - near) / (far - near).max(1e-6)))
+        } else {
+            Colour(0, 0, 0)
+        }
     });
     let instances = Canvas::of(window, 1, |x, y| instance_colour(frame.at(x, y).instance));
     let scattered = Canvas::of(window, 1, |x, y| {
-        let [r, g, b] = frame.at(x, y).backscatter.map(|v| (srgb_encode(gain * f64::from(v)) * 255.0) as u8);
+        let [r, g, b] = frame
+            .at(x, y)
+            .backscatter
+            .map(|v| (srgb_encode(gain * f64::from(v)) * 255.0) as u8);
         Colour(r, g, b)
     });
-    [("depth", depth), ("instances", instances), ("light scattered by the water", scattered)]
+    [
+        ("depth", depth),
+        ("instances", instances),
+        ("light scattered by the water", scattered),
+    ]
 }
 
 /// Nothing black, the seabed grey, rods in colours that also differ in lightness (Okabe and Ito 2008).
@@ -108,6 +148,7 @@ fn viridis(value: f64) -> Colour {
     ];
     let at = value.clamp(0.0, 1.0) * 8.0;
     let low = (at as usize).min(7);
-    let mix = |k: usize| (NODES[low][k] + (NODES[low + 1][k] - NODES[low][k]) * (at - low as f64)) as u8;
+    let mix =
+        |k: usize| (NODES[low][k] + (NODES[low + 1][k] - NODES[low][k]) * (at - low as f64)) as u8;
     Colour(mix(0), mix(1), mix(2))
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use rodsight_geometry::{Eye, Pixel};
 use rodsight_solver::{EyeTrace, RefinedLine, Trace};
 
-use super::canvas::{Canvas, Colour, Window};
+use super::canvas::{Canvas, Colour};
 use super::{CYAN, GREEN, MAGENTA};
 use crate::failure::Failure;
 
@@ -34,19 +34,27 @@ pub(crate) fn figure6(trace: &EyeTrace) -> [(&'static str, &'static str, Canvas)
         ("a-edges", "(a) edges", edges),
         ("b-hough", "(b) lines by Hough", coarse),
         ("c-refined-once", "(c) refined once", once),
-        ("d-refined", "(d) refined to the end, and the centre line", last),
+        (
+            "d-refined",
+            "(d) refined to the end, and the centre line",
+            last,
+        ),
     ]
 }
 
 fn edge_picture(trace: &EyeTrace) -> Canvas {
     let roi = trace.roi;
-    let window = Window { x_px: roi.x_px, y_px: roi.y_px, width_px: roi.width_px, height_px: roi.height_px };
     let is_rod = |x: u32, y: u32| {
         let index = (y - roi.y_px) as usize * roi.width_px as usize + (x - roi.x_px) as usize;
         trace.mask.get(index).is_some_and(|&value| value > 0)
     };
-    let mut picture =
-        Canvas::of(window, 1, |x, y| if is_rod(x, y) { Colour(58, 44, 18) } else { Colour(12, 16, 22) });
+    let mut picture = Canvas::of(roi, 1, |x, y| {
+        if is_rod(x, y) {
+            Colour(58, 44, 18)
+        } else {
+            Colour(12, 16, 22)
+        }
+    });
     for edge in &trace.edges {
         let half = Pixel::new(0.5, 0.0);
         picture.polyline(&[edge.pixel - half, edge.pixel + half], EDGE, 1.0);
