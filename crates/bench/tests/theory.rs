@@ -95,6 +95,33 @@ fn averaging_is_biased_by_r_squared_over_z_and_the_bisector_is_not() {
     }
 }
 
+/// The founding scene: shaded, in water, with noise. What the bisector removes is still the bias r²/D, D the distance to the axis;
+/// what is left is Canny's fraction of a pixel.
+#[test]
+fn founding_scene_lands_where_theory_says() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/paper.toml");
+    let scene = Scene::load(path.as_ref()).unwrap();
+    let (_, paper) = located(&scene, Method::Paper);
+    let (_, bisector) = located(&scene, Method::PaperBisector);
+    let rod = &scene.rods[scene.target.rod];
+    let distance_m = rod.centre_m.x;
+    let bias_m = -rod.radius_m * rod.radius_m / distance_m;
+    let removed_m = paper.depth_m - bisector.depth_m;
+    assert!(
+        (removed_m / bias_m - 1.0).abs() < 0.1,
+        "{removed_m} for {bias_m}"
+    );
+    assert!(
+        bisector.depth_m.abs() < HALF_PIXEL_OF_DEPTH_M,
+        "{}",
+        bisector.depth_m
+    );
+    assert!(
+        bisector.axis_angle_rad < 2e-4 && paper.axis_angle_rad < 2e-4,
+        "{bisector:?} {paper:?}"
+    );
+}
+
 /// σ_Z = Z² σ_ρ/(f b), σ_ρ = σ₁/√L: the closed form for an upright rod in the middle.
 #[test]
 fn limit_agrees_with_the_closed_form_of_an_upright_rod() {
