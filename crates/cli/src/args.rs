@@ -68,7 +68,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     pub(crate) backend: Backend,
     /// Seed of texture and noise, instead of the scene's
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,
     /// Print a summary as JSON
     #[arg(long)]

@@ -31,6 +31,14 @@ impl Failure {
         Self::Failed(error.into())
     }
 
+    /// The same, of a file.
+    pub(crate) fn of(self, file: &Path) -> Self {
+        match self {
+            Self::Input(error) => Self::Input(error.context(file.display().to_string())),
+            other => other,
+        }
+    }
+
     pub(crate) fn report(self) -> ExitCode {
         let (error, code) = match self {
             Self::Refused => return ExitCode::from(3),

@@ -64,6 +64,16 @@ impl CpuRenderer {
                 instead: "set mode to \"single\"",
             });
         }
+        let intrinsics = scene.rig.eye(eye).camera.intrinsics();
+        let (width_px, height_px) = (intrinsics.width_px, intrinsics.height_px);
+        if u64::from(width_px) * u64::from(height_px) > RenderError::LARGEST_EYE_PX {
+            return Err(RenderError::TooLarge {
+                scene: scene.id.clone(),
+                eye: eye.name(),
+                width_px,
+                height_px,
+            });
+        }
         let world = World::new(scene);
         let caster = Caster {
             world: &world,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels, ReadLayers,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder, ReadChannels, ReadLayers,
     WritableImage,
 };
 
@@ -55,7 +55,12 @@ pub(crate) fn write_exr(path: &Path, frame: &EyeFrame) -> Result<(), RenderError
     let layer = Layer::new(
         (frame.width_px as usize, frame.height_px as usize),
         LayerAttributes::named("rodsight"),
-        Encoding { compression: exr::prelude::Compression::ZIP16, ..Encoding::FAST_LOSSLESS },
+        Encoding {
+            compression: exr::prelude::Compression::ZIP16,
+            // In any other order the blocks land as the threads finish them.
+            line_order: LineOrder::Increasing,
+            ..Encoding::FAST_LOSSLESS
+        },
         AnyChannels::sort(channels.into()),
     );
     // Through memory: the writer seeks, and a file must appear whole or not at all.

@@ -64,9 +64,24 @@ pub enum RenderError {
         "scene \"{scene}\": no light reaches the cameras, so no exposure can be found; set exposure.gain_m2_sr_per_w or add a lamp"
     )]
     Dark { scene: String },
+    #[error(
+        "scene \"{scene}\": {eye} camera: expected at most {} px to render, found {width_px}×{height_px}",
+        Self::LARGEST_EYE_PX
+    )]
+    TooLarge {
+        scene: String,
+        eye: &'static str,
+        width_px: u32,
+        height_px: u32,
+    },
     #[error("{}: {message}", path.display())]
     Io {
         path: std::path::PathBuf,
         message: String,
     },
+}
+
+impl RenderError {
+    /// Every pixel with its truth takes a hundred bytes: these are seven gigabytes an eye.
+    pub const LARGEST_EYE_PX: u64 = 1 << 26;
 }

@@ -53,7 +53,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         )));
     }
     claim_output(&args.output)?;
-    let mut rendered = render(&scene)?;
+    let mut rendered = render(&scene).map_err(|failure| failure.of(&args.scene))?;
     let paths = write(&args.output, &scene, &mut rendered, Channels::Written)?;
     let files = [
         &paths.left_png,
