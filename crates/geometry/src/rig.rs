@@ -207,11 +207,14 @@ impl Rig {
 /// A longer baseline is a mistake of units.
 const MAX_BASELINE_M: f64 = 20.0;
 
-/// The rotation nearest to a matrix that is one to the digits a file has (1e-6), or what is wrong with it.
+/// How far R Rᵀ may be from 1: files write four digits and more, a slip of the pen is larger.
+const ROUNDED_ROTATION: f64 = 1e-3;
+
+/// The rotation nearest to a matrix that is one to the digits a file has, or what is wrong with it.
 fn checked_rotation(r: &Mat3) -> Result<Mat3, String> {
     let off = (r * r.transpose() - Mat3::identity()).norm();
     // `!(…)` refuses NaN too.
-    if !(off <= 1e-6) || r.determinant() < 0.0 {
+    if !(off <= ROUNDED_ROTATION) || r.determinant() < 0.0 {
         return Err(format!(
             "|R Rᵀ − 1| = {off:.3e}, determinant {:.6}",
             r.determinant()

@@ -70,12 +70,16 @@ fn rig_file_rotations_of_all_kinds_agree() {
         let difference = matrix.rig_from_camera.rotation() - other.rig_from_camera.rotation();
         assert!(difference.norm() < 1e-15, "{same}: {difference}");
     }
-    // Six digits are made orthonormal: a ray goes there and back.
-    let rounded = "rotation = [[0,0,1],[0.866025,-0.5,0],[0.5,0.866025,0]]";
-    let tilted = rig(&RIG.replace("rotation = [[0,0,1],[1,0,0],[0,1,0]]", rounded)).left;
-    let pixel = Pixel::new(300.0, 800.0);
-    let (origin, ray) = tilted.ray(&pixel).unwrap();
-    assert!((tilted.project(&(origin + ray * 2.0)).unwrap() - pixel).norm() < 1e-9);
+    // Rounded to six or four digits they are made orthonormal: a ray goes there and back.
+    for rounded in [
+        "rotation = [[0,0,1],[0.866025,-0.5,0],[0.5,0.866025,0]]",
+        "rotation = [[0.0871,0.0552,0.9947],[0.9956,0.0302,-0.0889],[-0.0349,0.9980,-0.0523]]",
+    ] {
+        let tilted = rig(&RIG.replace("rotation = [[0,0,1],[1,0,0],[0,1,0]]", rounded)).left;
+        let pixel = Pixel::new(300.0, 800.0);
+        let (origin, ray) = tilted.ray(&pixel).unwrap();
+        assert!((tilted.project(&(origin + ray * 2.0)).unwrap() - pixel).norm() < 1e-9);
+    }
 }
 
 #[test]

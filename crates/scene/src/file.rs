@@ -57,7 +57,10 @@ pub struct SceneFile {
     #[serde(default)]
     pub exposure: ExposureEntry,
     /// Gains of the bands (red, green, blue) after the sensor, between 1 and 16: what makes the lamps' light white.
-    #[serde(default = "no_white_balance", skip_serializing_if = "is_no_white_balance")]
+    #[serde(
+        default = "no_white_balance",
+        skip_serializing_if = "is_no_white_balance"
+    )]
     pub white_balance: [f64; 3],
     /// Noise of the sensor.
     #[serde(default)]

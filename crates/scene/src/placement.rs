@@ -45,6 +45,21 @@ pub(crate) fn check_placement(scene: &Scene, no: &Complaints<'_>) -> Result<(), 
             ));
         }
     }
+    let target = scene.target;
+    let grasp_m = scene.rods[target.rod].axis_at(target.along_m).0;
+    let camera = scene.rig.eye(target.pick_eye);
+    let pick = camera.project(&grasp_m);
+    if !pick.is_some_and(|pick| camera.camera.contains(&pick)) {
+        let found = pick.map_or("it behind that camera".to_owned(), |pick| {
+            format!("it at ({:.1}, {:.1}) px", pick.x, pick.y)
+        });
+        let eye = target.pick_eye.name();
+        return Err(no.value(
+            "target",
+            format!("a grasp that the {eye} image shows"),
+            found,
+        ));
+    }
     if let Some(seabed) = scene.seabed {
         for eye in Eye::BOTH {
             let z_m = scene.rig.eye(eye).rig_from_camera.origin_m().z;
@@ -56,10 +71,7 @@ pub(crate) fn check_placement(scene: &Scene, no: &Complaints<'_>) -> Result<(), 
                 ));
             }
         }
-        let z_m = scene.rods[scene.target.rod]
-            .axis_at(scene.target.along_m)
-            .0
-            .z;
+        let z_m = grasp_m.z;
         if z_m >= seabed.z_m {
             return Err(no.value(
                 "target",

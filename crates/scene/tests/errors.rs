@@ -124,6 +124,11 @@ fn messages_are_exactly_these() {
             "rod = \"cable\"\nalong_m = 1.5",
             "scenes/x.toml: target.along_m: expected within the rod's length, -1 to 1, found 1.5",
         ),
+        (
+            "centre_m = [2.3, 0, -0.9]",
+            "centre_m = [2.3, 0, -3.9]",
+            "scenes/x.toml: target: expected a grasp that the left image shows, found it at (1300.6, -1435.2) px",
+        ),
     ] {
         assert_eq!(complaint(old, new), message);
     }
