@@ -9,14 +9,24 @@ use super::canvas::{Canvas, Colour};
 use super::{CYAN, GREEN, MAGENTA};
 use crate::failure::Failure;
 
+const DIM: Colour = Colour(38, 66, 78);
 const EDGE: Colour = Colour(235, 235, 235);
 
 /// The four panels of one eye, each with the name its file gets and its caption.
 pub(crate) fn figure6(trace: &EyeTrace) -> [(&'static str, &'static str, Canvas); 4] {
     let edges = edge_picture(trace);
     let mut coarse = edges.clone();
-    for voted in &trace.coarse {
-        coarse.line(&voted.line, CYAN, 1.5);
+    // Hough gives many lines; those that a refined line came from stand out.
+    let used = |index: usize| {
+        let mut first_round = trace.refined.first().into_iter().flatten();
+        first_round.any(|line| line.sources.contains(&index))
+    };
+    let (bright, dim): (Vec<_>, Vec<_>) =
+        trace.coarse.iter().enumerate().partition(|(index, _)| used(*index));
+    for (lines, colour, width_px) in [(dim, DIM, 0.7), (bright, CYAN, 1.5)] {
+        for (_, voted) in lines {
+            coarse.line(&voted.line, colour, width_px);
+        }
     }
     let refined = |round: Option<&Vec<RefinedLine>>, with_axis: bool| {
         let mut picture = edges.clone();
@@ -32,7 +42,7 @@ pub(crate) fn figure6(trace: &EyeTrace) -> [(&'static str, &'static str, Canvas)
     let last = refined(trace.refined.last(), true);
     [
         ("a-edges", "(a) edges", edges),
-        ("b-hough", "(b) lines by Hough", coarse),
+        ("b-hough", "(b) lines by Hough; those that were refined bright", coarse),
         ("c-refined-once", "(c) refined once", once),
         (
             "d-refined",
