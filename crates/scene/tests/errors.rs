@@ -127,7 +127,7 @@ fn messages_are_exactly_these() {
         (
             "centre_m = [2.3, 0, -0.9]",
             "centre_m = [2.3, 0, -3.9]",
-            "scenes/x.toml: target: expected a grasp that the left image shows, found it at (1300.6, -1435.2) px",
+            "scenes/x.toml: target: expected a grasp that the left image shows, found it at (1300.6, -1435.3) px",
         ),
     ] {
         assert_eq!(complaint(old, new), message);
