@@ -3,15 +3,18 @@
 //! A pixel away from edges takes one ray through its centre; a pixel near an edge of instance, face, shadow or depth takes all
 //! samples of the edge pattern. Random numbers have no part in it.
 
+pub(crate) mod arc;
 mod light;
+pub(crate) mod rod;
 mod seabed;
+mod shadow;
 pub(crate) mod solid;
 pub(crate) mod world;
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use rayon::prelude::*;
-use rodsight_geometry::{Eye, MountedCamera, Pixel};
+use rodsight_geometry::{CameraFrame, Eye, MountedCamera, Pixel, Pose, RigFrame};
 use rodsight_optics::{Bands, transmittance};
 use rodsight_scene::{Mode, Scene};
 
@@ -19,7 +22,7 @@ use crate::frame::{EyeFrame, Frame, PixelTruth};
 use crate::lattice::{edge_offsets, pixel_shift};
 use crate::{RenderError, Renderer};
 use solid::{Face, Ray};
-use world::{Hit, Thing, World};
+use world::{Hit, Thing, World, pixel_angle_rad};
 
 /// The `f64` reference renderer.
 #[derive(Clone, Copy, Debug, Default)]
@@ -75,14 +78,20 @@ impl CpuRenderer {
             });
         }
         let world = World::new(scene);
+        let mounted = *scene.rig.eye(eye);
+        let other = *scene.rig.eye(match eye {
+            Eye::Left => Eye::Right,
+            Eye::Right => Eye::Left,
+        });
         let caster = Caster {
             world: &world,
-            mounted: *scene.rig.eye(eye),
-            other: *scene.rig.eye(match eye {
-                Eye::Left => Eye::Right,
-                Eye::Right => Eye::Left,
-            }),
+            mounted,
+            camera_from_rig: mounted.rig_from_camera.inverse(),
+            other,
+            other_from_rig: other.rig_from_camera.inverse(),
             eye,
+            // Half a diagonal of the pixel, and as much again: shading is steepest beside a limb.
+            graze_rad: 1.5 * pixel_angle_rad(&mounted.camera),
         };
         Ok(caster.render(progress))
     }
@@ -92,8 +101,12 @@ impl CpuRenderer {
 struct Caster<'a> {
     world: &'a World<'a>,
     mounted: MountedCamera,
+    camera_from_rig: Pose<CameraFrame, RigFrame>,
     other: MountedCamera,
+    other_from_rig: Pose<CameraFrame, RigFrame>,
     eye: Eye,
+    /// Rays nearer than this to a limb take all samples.
+    graze_rad: f64,
 }
 
 /// What must be alike in neighbouring pixels for one sample to do.
@@ -119,7 +132,7 @@ impl Caster<'_> {
             progress(f64::from(done) / (2.0 * f64::from(i.height_px)));
         };
 
-        let mut pixels = vec![PixelTruth::default(); width * height];
+        let mut pixels = vec![PixelTruth::NOTHING; width * height];
         let mut keys = vec![EdgeKey::default(); width * height];
         pixels
             .par_chunks_mut(width)
@@ -179,33 +192,28 @@ impl Caster<'_> {
     /// Everything about the ray through a pixel's centre.
     fn centre(&self, pixel: &Pixel) -> (PixelTruth, EdgeKey) {
         let Some(ray) = self.ray(pixel) else {
-            return (PixelTruth::default(), EdgeKey::default());
+            return (PixelTruth::NOTHING, EdgeKey::default());
         };
         let hit = self.world.hit(&ray);
         let surface = self.light_of(&ray, hit.as_ref());
         let backscatter = self.world.backscatter(&ray, surface.range_m);
-        let camera_from_rig = self.mounted.rig_from_camera.inverse();
-        let mut truth = PixelTruth {
-            depth_m: f32::INFINITY,
-            range_m: f32::INFINITY,
-            disparity_px: f32::INFINITY,
-            ..PixelTruth::default()
-        };
+        let mut truth = PixelTruth::NOTHING;
         let mut key = EdgeKey {
             lit_by: surface.lit_by,
-            // Half a diagonal of the pixel, with some to spare for distorted rays.
-            grazes: self
-                .world
-                .grazes_a_limb(&ray, 1.5 * self.world.footprint_rad()),
+            grazes: self.world.grazes_a_limb(&ray, self.graze_rad),
             ..EdgeKey::default()
         };
         if let Some(hit) = hit {
             let point = ray.at(hit.t_m);
-            let in_camera = camera_from_rig.point(&point);
-            let seen_by_other = self.other.project(&point);
+            let in_camera = self.camera_from_rig.point(&point);
+            let seen_by_other = self
+                .other
+                .camera
+                .project(&self.other_from_rig.point(&point));
             truth.depth_m = in_camera.z as f32;
             truth.range_m = hit.t_m as f32;
-            truth.normal = camera_from_rig
+            truth.normal = self
+                .camera_from_rig
                 .direction(&hit.normal)
                 .map(|v| v as f32)
                 .into();
@@ -282,7 +290,7 @@ impl Caster<'_> {
             }
             match things.iter_mut().find(|(thing, ..)| *thing == sample.thing) {
                 Some((_, count, range)) => {
-                    (*count, *range) = (*count + 1.0, *range + sample.range_m)
+                    (*count, *range) = (*count + 1.0, *range + sample.range_m);
                 }
                 None => things.push((sample.thing, 1.0, sample.range_m)),
             }

@@ -20,14 +20,15 @@ pub struct Developed {
     pub gain: f64,
 }
 
-/// What a random number is for; part of the counter, so that no two uses share one.
+/// What random numbers are for; part of the counter, so that no two uses share one.
 #[derive(Clone, Copy)]
 enum Purpose {
+    /// Normals for the three channels of a pixel.
     Plain,
-    Photons,
-    Read,
-    ResponseFixed,
-    DarkFixed,
+    /// Normals for a sample: response, photons, read-out, offset.
+    Electrons,
+    /// Uniforms for few photons.
+    FewPhotons,
 }
 
 /// Exposes, adds the sensor's noise, encodes as sRGB and quantises.
@@ -40,17 +41,11 @@ pub fn develop(frame: &Frame, scene: &Scene) -> Result<Developed, RenderError> {
     let image = |eye: Eye| {
         let eye_frame = frame.eye(eye);
         let samples = if scene.bits == 16 {
-            Samples::U16(digital(
-                eye_frame,
-                scene,
-                eye,
-                gain,
-                &philox,
-                65535.0,
-                |v| v as u16,
-            ))
+            Samples::U16(digital(eye_frame, scene, eye, gain, philox, 65535.0, |v| {
+                v as u16
+            }))
         } else {
-            Samples::U8(digital(eye_frame, scene, eye, gain, &philox, 255.0, |v| {
+            Samples::U8(digital(eye_frame, scene, eye, gain, philox, 255.0, |v| {
                 v as u8
             }))
         };
@@ -84,72 +79,104 @@ fn exposure_gain(frame: &Frame, scene: &Scene) -> Result<f64, RenderError> {
     }
 }
 
-fn digital<T: Send>(
+fn digital<T: Copy + Send + Sync>(
     frame: &EyeFrame,
     scene: &Scene,
     eye: Eye,
     gain: f64,
-    philox: &Philox,
+    philox: Philox,
     full_scale: f64,
     quantise: impl Fn(f64) -> T + Sync,
 ) -> Vec<T> {
-    let sample = |index: usize| {
-        let (pixel, channel) = (index / 3, index % 3);
-        let signal = gain * f64::from(frame.pixels[pixel].radiance[channel]);
-        let balance = scene.white_balance[channel];
-        let counter = |purpose: Purpose| {
-            [
-                pixel as u32,
-                channel as u32,
-                (eye as u32) << 8 | purpose as u32,
-                0,
-            ]
-        };
-        let encoded = match scene.sensor {
-            Sensor::Plain { noise_sigma_dn } if noise_sigma_dn > 0.0 => {
-                srgb_encode(balance * signal)
-                    + noise_sigma_dn / 255.0 * philox.normals(counter(Purpose::Plain))[0]
-            }
-            Sensor::Plain { .. } => srgb_encode(balance * signal),
-            Sensor::Emva(emva) => srgb_encode(balance * expose(&emva, signal, philox, counter)),
-        };
-        quantise(libm::round(encoded.clamp(0.0, 1.0) * full_scale))
+    let number = |encoded: f64| quantise(libm::round(encoded.clamp(0.0, 1.0) * full_scale));
+    let counter = |pixel: usize, channel: usize, purpose: Purpose| {
+        let stream = (eye as u32) << 8 | purpose as u32;
+        [pixel as u32, channel as u32, stream, 0]
     };
-    (0..frame.pixels.len() * 3)
-        .into_par_iter()
-        .map(sample)
-        .collect()
+    let signals = |pixel: usize| frame.pixels[pixel].radiance.map(|v| gain * f64::from(v));
+    let pixels = (0..frame.pixels.len()).into_par_iter();
+    let samples: Vec<[T; 3]> = match scene.sensor {
+        Sensor::Plain { noise_sigma_dn } => pixels
+            .map(|pixel| {
+                let noise = if noise_sigma_dn > 0.0 {
+                    philox.normals(counter(pixel, 0, Purpose::Plain))
+                } else {
+                    [0.0; 4]
+                };
+                let signal = signals(pixel);
+                core::array::from_fn(|k| {
+                    let encoded = srgb_encode(scene.white_balance[k] * signal[k]);
+                    number(encoded + noise_sigma_dn / 255.0 * noise[k])
+                })
+            })
+            .collect(),
+        Sensor::Emva(emva) => {
+            // A converter knows few values: each is balanced, encoded and quantised once.
+            let encoded = scene.white_balance.map(|balance| {
+                let linear = (0..=converter_steps(&emva)).map(|code| emva_linear(&emva, code));
+                linear
+                    .map(|value| number(srgb_encode(balance * value)))
+                    .collect::<Vec<T>>()
+            });
+            pixels
+                .map(|pixel| {
+                    let signal = signals(pixel);
+                    core::array::from_fn(|k| {
+                        let few = counter(pixel, k, Purpose::FewPhotons);
+                        let normals = philox.normals(counter(pixel, k, Purpose::Electrons));
+                        encoded[k][expose(&emva, signal[k], philox, few, normals)]
+                    })
+                })
+                .collect()
+        }
+    };
+    samples.into_flattened()
 }
 
 /// EMVA 1288, release 4.0, section 3: electrons of light and dark current (Poisson), clipped at the full well, read noise and
-/// offset non-uniformity, then the converter. Returns the linear value, 1 = full well; the dark level is taken off.
-fn expose(emva: &Emva, signal: f64, philox: &Philox, counter: impl Fn(Purpose) -> [u32; 4]) -> f64 {
-    let normal = |purpose| philox.normals(counter(purpose))[0];
-    let light_e =
-        signal * emva.full_well_e * (1.0 + emva.prnu * normal(Purpose::ResponseFixed)).max(0.0);
+/// offset non-uniformity, then the converter, whose code it returns. Response and offset of a pixel stay the same for a seed.
+fn expose(
+    emva: &Emva,
+    signal: f64,
+    philox: Philox,
+    few_photons: [u32; 4],
+    [response, photons, read, offset]: [f64; 4],
+) -> usize {
+    let light_e = signal * emva.full_well_e * (1.0 + emva.prnu * response).max(0.0);
     let collected_e = philox
-        .poisson(light_e + emva.dark_e, counter(Purpose::Photons))
+        .poisson(light_e + emva.dark_e, photons, few_photons)
         .min(emva.full_well_e);
-    let read_e = collected_e
-        + emva.read_noise_e * normal(Purpose::Read)
-        + emva.dsnu_e * normal(Purpose::DarkFixed);
-    let steps = f64::from((1_u32 << emva.adc_bits) - 1);
-    let converted = libm::round(read_e / emva.full_well_e * steps).clamp(0.0, steps) / steps;
-    converted - emva.dark_e / emva.full_well_e
+    let read_e = collected_e + emva.read_noise_e * read + emva.dsnu_e * offset;
+    let steps = converter_steps(emva) as f64;
+    libm::round(read_e / emva.full_well_e * steps).clamp(0.0, steps) as usize
 }
 
-/// Standard deviation of the noise on an encoded sample, fraction of full scale, at a linear value before white balance.
+/// The converter's highest code, which stands for the full well.
+fn converter_steps(emva: &Emva) -> usize {
+    (1 << emva.adc_bits) - 1
+}
+
+/// Linear value of a code, 1 = full well, with the dark level taken off.
+fn emva_linear(emva: &Emva, code: usize) -> f64 {
+    code as f64 / converter_steps(emva) as f64 - emva.dark_e / emva.full_well_e
+}
+
+/// Standard deviation of the noise on an encoded sample, fraction of full scale, at a linear value before white balance; without
+/// the rounding to the image's bits and without clipping.
 pub(crate) fn noise_sigma(sensor: &Sensor, signal: f64, balance: f64) -> f64 {
     match sensor {
         Sensor::Plain { noise_sigma_dn } => noise_sigma_dn / 255.0,
         Sensor::Emva(emva) => {
             let light_e = signal.max(0.0) * emva.full_well_e;
+            let step_e = emva.full_well_e / converter_steps(emva) as f64;
             let variance_e2 = light_e
+                + step_e * step_e / 12.0
                 + emva.dark_e
                 + emva.read_noise_e * emva.read_noise_e
                 + emva.dsnu_e * emva.dsnu_e
                 + emva.prnu * light_e * (emva.prnu * light_e);
-            srgb_slope((balance * signal).clamp(0.0, 1.0)) * balance * libm::sqrt(variance_e2) / emva.full_well_e
+            srgb_slope((balance * signal).clamp(0.0, 1.0)) * balance * libm::sqrt(variance_e2)
+                / emva.full_well_e
         }
     }
 }

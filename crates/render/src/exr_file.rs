@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder, ReadChannels, ReadLayers,
-    WritableImage,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
+    ReadChannels, ReadLayers, WritableImage,
 };
 
 use crate::RenderError;
@@ -16,7 +16,11 @@ const BANDS: [&str; 3] = ["R", "G", "B"];
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
 /// A triple of channels: prefix, suffixes, where it lies in a pixel.
-type Triple = (&'static str, [&'static str; 3], fn(&mut PixelTruth) -> &mut [f32; 3]);
+type Triple = (
+    &'static str,
+    [&'static str; 3],
+    fn(&mut PixelTruth) -> &mut [f32; 3],
+);
 /// A channel of its own.
 type Scalar = (&'static str, fn(&mut PixelTruth) -> &mut f32);
 
@@ -29,29 +33,52 @@ const TRIPLES: [Triple; 6] = [
     ("transmission.", BANDS, |p| &mut p.transmission),
     ("normal.", AXES, |p| &mut p.normal),
 ];
-const SCALARS: [Scalar; 3] =
-    [("depth_m", |p| &mut p.depth_m), ("range_m", |p| &mut p.range_m), ("disparity_px", |p| &mut p.disparity_px)];
+const SCALARS: [Scalar; 3] = [
+    ("depth_m", |p| &mut p.depth_m),
+    ("range_m", |p| &mut p.range_m),
+    ("disparity_px", |p| &mut p.disparity_px),
+];
 
 /// Writes every channel of an eye as one layer.
 pub(crate) fn write_exr(path: &Path, frame: &EyeFrame) -> Result<(), RenderError> {
-    let float = |name: String, value: &dyn Fn(&mut PixelTruth) -> f32| {
-        let samples = frame.pixels.iter().map(|pixel| value(&mut pixel.clone())).collect();
-        AnyChannel::new(name.as_str(), FlatSamples::F32(samples))
-    };
     let whole = |name: &str, value: fn(&PixelTruth) -> u32| {
-        AnyChannel::new(name, FlatSamples::U32(frame.pixels.iter().map(value).collect()))
+        AnyChannel::new(
+            name,
+            FlatSamples::U32(frame.pixels.iter().map(value).collect()),
+        )
     };
     let mut channels = vec![
         whole("instance", |p| u32::from(p.instance)),
         whole("material", |p| u32::from(p.material)),
         whole("occluded", |p| u32::from(p.occluded)),
     ];
-    channels.extend(SCALARS.map(|(name, field)| float(name.to_owned(), &|p| *field(p))));
-    for (prefix, suffixes, field) in TRIPLES {
-        for (k, suffix) in suffixes.into_iter().enumerate() {
-            channels.push(float(format!("{prefix}{suffix}"), &|p| field(p)[k]));
+    // One pass over the pixels for all channels: they are a hundred bytes each.
+    let names = SCALARS.iter().map(|(name, _)| (*name).to_owned());
+    let names = names.chain(
+        TRIPLES
+            .iter()
+            .flat_map(|(prefix, suffixes, _)| suffixes.map(|suffix| format!("{prefix}{suffix}"))),
+    );
+    let mut floats: Vec<(String, Vec<f32>)> = names
+        .map(|name| (name, Vec::with_capacity(frame.pixels.len())))
+        .collect();
+    for pixel in &frame.pixels {
+        let mut pixel = *pixel;
+        let (scalars, triples) = floats.split_at_mut(SCALARS.len());
+        for ((_, values), (_, field)) in scalars.iter_mut().zip(SCALARS) {
+            values.push(*field(&mut pixel));
+        }
+        for (channels, (.., field)) in triples.chunks_exact_mut(3).zip(TRIPLES) {
+            for ((_, values), value) in channels.iter_mut().zip(*field(&mut pixel)) {
+                values.push(value);
+            }
         }
     }
+    channels.extend(
+        floats
+            .into_iter()
+            .map(|(name, values)| AnyChannel::new(name.as_str(), FlatSamples::F32(values))),
+    );
     let layer = Layer::new(
         (frame.width_px as usize, frame.height_px as usize),
         LayerAttributes::named("rodsight"),
@@ -88,8 +115,13 @@ pub fn read_exr(path: &Path) -> Result<EyeFrame, RenderError> {
     let layer = image.layer_data;
     let mut pixels = vec![PixelTruth::default(); layer.size.area()];
     let mut fill = |name: &str, set: &dyn Fn(&mut PixelTruth, f32)| {
-        let channel = layer.channel_data.list.iter().find(|channel| channel.name == *name);
-        let channel = channel.ok_or_else(|| io(path, format!("expected a channel \"{name}\", found none")))?;
+        let channel = layer
+            .channel_data
+            .list
+            .iter()
+            .find(|channel| channel.name == *name);
+        let channel = channel
+            .ok_or_else(|| io(path, format!("expected a channel \"{name}\", found none")))?;
         for (pixel, value) in pixels.iter_mut().zip(channel.sample_data.values_as_f32()) {
             set(pixel, value);
         }
@@ -107,5 +139,9 @@ pub fn read_exr(path: &Path) -> Result<EyeFrame, RenderError> {
             fill(&format!("{prefix}{suffix}"), &|p, v| field(p)[k] = v)?;
         }
     }
-    Ok(EyeFrame { width_px: layer.size.width() as u32, height_px: layer.size.height() as u32, pixels })
+    Ok(EyeFrame {
+        width_px: layer.size.width() as u32,
+        height_px: layer.size.height() as u32,
+        pixels,
+    })
 }

@@ -71,3 +71,21 @@ pub struct PixelTruth {
     /// The other eye does not see this surface point: hidden or outside its image.
     pub occluded: bool,
 }
+
+impl PixelTruth {
+    /// No surface, no light.
+    pub(crate) const NOTHING: Self = Self {
+        radiance: [0.0; 3],
+        direct: [0.0; 3],
+        backscatter: [0.0; 3],
+        clean: [0.0; 3],
+        transmission: [0.0; 3],
+        normal: [0.0; 3],
+        depth_m: f32::INFINITY,
+        range_m: f32::INFINITY,
+        disparity_px: f32::INFINITY,
+        instance: 0,
+        material: 0,
+        occluded: false,
+    };
+}

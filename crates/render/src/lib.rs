@@ -19,15 +19,13 @@ mod write;
 
 pub use cpu::CpuRenderer;
 pub use develop::{Developed, develop};
+pub use exr_file::read_exr;
 pub use frame::{EyeFrame, Frame, PixelTruth};
 pub use lattice::edge_offsets;
 pub use noise::Philox;
 pub use srgb::{srgb_decode, srgb_encode};
 pub use truth::{ConeTruth, EyeTruth, GraspTruth, LineTruth, RodTruth, Truth, WaterTruth};
-pub use exr_file::read_exr;
-pub use write::{
-    PairPaths, discard_unfinished, read_image, write_image, write_pair, write_whole,
-};
+pub use write::{PairPaths, discard_unfinished, read_image, write_image, write_pair, write_whole};
 
 use rodsight_scene::Scene;
 

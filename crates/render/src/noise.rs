@@ -18,7 +18,7 @@ impl Philox {
     }
 
     /// The four words of a counter.
-    pub fn words(&self, counter: [u32; 4]) -> [u32; 4] {
+    pub fn words(self, counter: [u32; 4]) -> [u32; 4] {
         let [mut c0, mut c1, mut c2, mut c3] = counter;
         let [mut k0, mut k1] = self.key;
         for round in 0..10 {
@@ -39,16 +39,16 @@ impl Philox {
     }
 
     /// Four uniform numbers in (0, 1).
-    pub(crate) fn uniforms(&self, counter: [u32; 4]) -> [f64; 4] {
+    pub(crate) fn uniforms(self, counter: [u32; 4]) -> [f64; 4] {
         self.words(counter)
             .map(|word| (f64::from(word) + 0.5) / 4294967296.0)
     }
 
     /// Four standard normal numbers (Box & Muller 1958).
-    pub(crate) fn normals(&self, counter: [u32; 4]) -> [f64; 4] {
+    pub(crate) fn normals(self, counter: [u32; 4]) -> [f64; 4] {
         let [a, b, c, d] = self.uniforms(counter);
         let pair = |u: f64, angle: f64| {
-            let radius = libm::sqrt(-2.0 * libm::log(u));
+            let radius = (-2.0 * libm::log(u)).sqrt();
             let (sin, cos) = libm::sincos(2.0 * PI * angle);
             (radius * cos, radius * sin)
         };
@@ -56,12 +56,11 @@ impl Philox {
         [n0, n1, n2, n3]
     }
 
-    /// A Poisson number of the given mean: exact (Knuth's product of uniforms) below 30, rounded Gaussian above, where the two
-    /// differ by less than the read noise of any sensor. `counter[3]` must be 0: it counts the uniforms drawn.
-    pub(crate) fn poisson(&self, mean: f64, counter: [u32; 4]) -> f64 {
+    /// A Poisson number of the given mean: from a standard normal number, rounded, at 30 and above, where that differs by less than
+    /// the read noise of any sensor; exact (Knuth's product of uniforms) below. `counter[3]` must be 0: it counts the uniforms drawn.
+    pub(crate) fn poisson(self, mean: f64, normal: f64, counter: [u32; 4]) -> f64 {
         if mean >= 30.0 {
-            let [n, ..] = self.normals(counter);
-            return libm::round(mean + libm::sqrt(mean) * n).max(0.0);
+            return libm::round(mean + mean.sqrt() * normal).max(0.0);
         }
         let limit = libm::exp(-mean);
         let mut product = 1.0;
@@ -108,7 +107,7 @@ mod tests {
         let philox = Philox::new(7);
         for mean in [0.3, 5.0, 29.0, 31.0, 900.0] {
             let draws: Vec<f64> = (0..20_000)
-                .map(|i| philox.poisson(mean, [i, 0, 0, 0]))
+                .map(|i| philox.poisson(mean, philox.normals([i, 0, 1, 0])[0], [i, 0, 0, 0]))
                 .collect();
             let average = draws.iter().sum::<f64>() / 20_000.0;
             let variance = draws

@@ -133,3 +133,54 @@ fn edges_sampled_on_a_regular_grid_fail_the_same_test() {
         "the edge test cannot tell a regular grid from a lattice"
     );
 }
+
+/// A rod of 0.4 px, far away: the light of every row is that of its width, although few rays through pixel centres meet it.
+#[test]
+fn thin_rod_has_its_light_in_every_row() {
+    const WIDTH_PX: f64 = 0.4;
+    // A row's light is counted in samples, in up to three pixels: with 233 a pixel the rod is 93 of them.
+    for (angle_deg, points, limit) in [
+        (0.0, 233, 0.04),
+        (7.0, 233, 0.04),
+        (0.0, 610, 0.02),
+        (7.0, 610, 0.02),
+        (30.0, 610, 0.02),
+    ] {
+        let mut scene = scene(angle_deg, 0.0003, EdgeSampling::Fibonacci { points });
+        let distance_m = 2.3;
+        scene.rods[0].radius_m = 0.5 * WIDTH_PX * distance_m / 1566.5776;
+        let frame = CpuRenderer.render_eye(&scene, Eye::Left, &|_| ()).unwrap();
+        let rod = &scene.rods[0];
+        let cylinder = Cylinder {
+            axis: Line3::new(rod.centre_m, &rod.direction),
+            radius_m: rod.radius_m,
+        };
+        let left = &scene.rig.left;
+        let [plus, minus, _] = cylinder
+            .image_lines(&left.camera, &left.rig_from_camera)
+            .unwrap();
+        let width_px = |row: u32| {
+            let at = |line: &ImageLine| {
+                let n = line.normal();
+                (line.rho_px - (f64::from(row) + 0.5) * n.y) / n.x
+            };
+            (at(&plus) - at(&minus)).abs()
+        };
+        let (mut worst, mut sum, mut rows) = (0.0_f64, 0.0, 0.0);
+        for row in 20..frame.height_px - 20 {
+            let light: f64 = (0..frame.width_px)
+                .map(|column| f64::from(frame.at(column, row).radiance[0]))
+                .sum();
+            let width = light / f64::from(0.8_f32);
+            let error = width / width_px(row) - 1.0;
+            worst = worst.max(error.abs());
+            (sum, rows) = (sum + error, rows + 1.0);
+        }
+        let mean: f64 = sum / rows;
+        println!("{angle_deg}°, {points} points: worst row {worst:.4}, mean {mean:.5}");
+        assert!(
+            worst < limit && mean.abs() < 1e-3,
+            "{angle_deg}°, {points} points: {worst}, {mean}"
+        );
+    }
+}

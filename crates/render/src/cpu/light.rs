@@ -1,9 +1,10 @@
 //! Light: lamps, their cones and shadows, surfaces, and the light scattered back by the water.
 
-use rodsight_geometry::{Plane, Vec3};
+use rodsight_geometry::Vec3;
 use rodsight_optics::{Airlight, Bands, transmittance};
 use rodsight_scene::{Lamp, Material, Mode};
 
+use super::shadow::{MIN_STRETCH_M, Shadows};
 use super::solid::{Capped, Ray};
 use super::world::{Hit, World};
 
@@ -13,7 +14,8 @@ const SHADOW_GAP: f64 = 1e-6;
 /// Fraction of the axial intensity that a lamp sends in a unit direction: 1 in the inner cone, 0 outside the outer one, smooth
 /// (cubic in the cosine) between.
 pub(super) fn cone(lamp: &LampLight, direction: &Vec3) -> f64 {
-    let cos = lamp.lamp.direction.dot(direction);
+    // Rounding must not put a direction just behind a lamp that shines everywhere out of its cone.
+    let cos = lamp.lamp.direction.dot(direction).max(-1.0);
     if cos >= lamp.cos_inner {
         1.0
     } else if cos <= lamp.cos_outer {
@@ -30,29 +32,21 @@ pub(super) struct LampLight {
     pub(super) lamp: Lamp,
     cos_inner: f64,
     cos_outer: f64,
-    /// Per straight piece of every rod, the planes through the lamp that touch it: between them lies its shadow.
-    shadow_planes: Vec<(Capped, [Plane; 2])>,
+    shadows: Shadows,
 }
 
 impl LampLight {
     pub(super) fn new(lamp: &Lamp, pieces: impl Iterator<Item = Capped>) -> Self {
-        let shadow_planes = pieces
-            .filter_map(|piece| {
-                let planes = piece.cylinder.tangent_planes(&lamp.position_m)?;
-                let through = |normal: &Vec3| Plane::through(&lamp.position_m, normal);
-                Some((piece, [through(&planes.plus), through(&planes.minus)]))
-            })
-            .collect();
         Self {
             lamp: *lamp,
             cos_inner: libm::cos(lamp.inner_half_angle_rad),
             cos_outer: libm::cos(lamp.outer_half_angle_rad),
-            shadow_planes,
+            shadows: Shadows::new(lamp.position_m, pieces),
         }
     }
 }
 
-/// Light that leaves a surface towards the camera, and which lamps reach it (a bit each).
+/// Light that leaves a surface towards the camera, and which lamps reach it (a bit each; lamps beyond 32 share).
 pub(super) struct Surface {
     /// In the water.
     pub(super) wet: Bands,
@@ -93,7 +87,7 @@ impl World<'_> {
             if cos <= 0.0 || beam == 0.0 || self.is_blocked(&light.lamp.position_m, &direction, r) {
                 continue;
             }
-            surface.lit_by |= 1 << index;
+            surface.lit_by |= 1 << (index % 32);
             let falloff = transmittance(&self.attenuation_per_m, r);
             for k in 0..3 {
                 let dry = albedo[k] * light.lamp.radiant_intensity_w_per_sr[k] * beam * cos
@@ -141,134 +135,38 @@ impl World<'_> {
             return light;
         }
         let distance_m = distance_m.min(self.horizon_m);
-        let airlight = Airlight {
-            medium,
-            attenuation_per_m: *c,
-            points: self.scene.sampling.airlight_points,
-        };
         for lamp in &self.lamps {
-            for (from_m, to_m) in self.lit_stretches(lamp, ray, distance_m) {
-                let origin_m = ray.at(from_m);
-                let scattered = airlight.lamp(
-                    &(lamp.lamp.position_m - origin_m),
-                    &ray.direction,
-                    to_m - from_m,
-                    |direction, _| cone(lamp, direction),
-                );
-                let before = transmittance(c, from_m);
-                for k in 0..3 {
-                    light[k] += lamp.lamp.radiant_intensity_w_per_sr[k] * scattered[k] * before[k];
+            let mut lit_from_m = 0.0;
+            for (from_m, to_m) in lamp.shadows.dark_stretches(ray, distance_m) {
+                if from_m - lit_from_m > MIN_STRETCH_M {
+                    self.scattered(lamp, ray, lit_from_m, from_m, &mut light);
                 }
+                lit_from_m = lit_from_m.max(to_m);
+            }
+            if distance_m - lit_from_m > MIN_STRETCH_M {
+                self.scattered(lamp, ray, lit_from_m, distance_m, &mut light);
             }
         }
         light
     }
 
-    /// The parts of a ray that a lamp reaches. Along the ray a rod's shadow begins and ends where the ray crosses a plane through
-    /// the lamp that touches the rod, or where the end of the rod lets light past (found by bisection).
-    fn lit_stretches(&self, light: &LampLight, ray: &Ray, distance_m: f64) -> Vec<(f64, f64)> {
-        let mut lit = vec![(0.0, distance_m)];
-        for (piece, [plus, minus]) in &light.shadow_planes {
-            let crossing = |plane: &Plane| {
-                let t = -plane.distance_m(&ray.origin_m) / plane.normal.dot(&ray.direction);
-                if t.is_finite() {
-                    t.clamp(0.0, distance_m)
-                } else {
-                    0.0
-                }
-            };
-            let (a, b) = (crossing(plus), crossing(minus));
-            let dark = |t: f64| {
-                let to_point = ray.at(t) - light.lamp.position_m;
-                let r = to_point.norm();
-                piece.blocks(
-                    &Ray {
-                        origin_m: light.lamp.position_m,
-                        direction: to_point / r,
-                    },
-                    r * (1.0 - SHADOW_GAP),
-                )
-            };
-            for (from, to) in [
-                (0.0, a.min(b)),
-                (a.min(b), a.max(b)),
-                (a.max(b), distance_m),
-            ] {
-                let middle = ray.at(0.5 * (from + to));
-                // Only between the two planes, on the rod's side of the lamp, can there be shadow.
-                if to - from > MIN_STRETCH_M
-                    && plus.distance_m(&middle) > 0.0
-                    && minus.distance_m(&middle) < 0.0
-                {
-                    remove_dark(&mut lit, from, to, dark);
-                }
-            }
-        }
-        lit
-    }
-}
-
-/// Stretches shorter than this send no light worth a sum, m.
-const MIN_STRETCH_M: f64 = 1e-9;
-
-/// Takes away what is dark in (from, to), an interval in which darkness changes at most with the rod's two ends.
-fn remove_dark(lit: &mut Vec<(f64, f64)>, from: f64, to: f64, dark: impl Fn(f64) -> bool) {
-    const PROBES: u32 = 5;
-    let probe = |i: u32| from + (to - from) * (f64::from(i) + 0.5) / f64::from(PROBES);
-    let mut begin = dark(probe(0)).then_some(from);
-    for i in 1..PROBES {
-        let (mut a, mut b) = (probe(i - 1), probe(i));
-        let was = begin.is_some();
-        if dark(b) == was {
-            continue;
-        }
-        for _ in 0..30 {
-            let middle = 0.5 * (a + b);
-            if dark(middle) == was {
-                a = middle;
-            } else {
-                b = middle;
-            }
-        }
-        match begin.take() {
-            Some(start) => cut(lit, start, b),
-            None => begin = Some(b),
-        }
-    }
-    if let Some(start) = begin {
-        cut(lit, start, to);
-    }
-}
-
-fn cut(lit: &mut Vec<(f64, f64)>, from: f64, to: f64) {
-    let halves = lit
-        .iter()
-        .flat_map(|&(a, b)| [(a, b.min(from)), (a.max(to), b)]);
-    *lit = halves.filter(|(a, b)| b - a > MIN_STRETCH_M).collect();
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cutting_keeps_what_lies_on_either_side() {
-        let mut lit = vec![(0.0, 4.0)];
-        cut(&mut lit, 1.0, 2.0);
-        cut(&mut lit, 1.5, 3.0);
-        assert_eq!(lit, [(0.0, 1.0), (3.0, 4.0)]);
-        cut(&mut lit, 0.0, 4.0);
-        assert!(lit.is_empty());
-    }
-
-    #[test]
-    fn dark_interval_is_found_to_rounding() {
-        let mut lit = vec![(0.0, 4.0)];
-        remove_dark(&mut lit, 0.5, 3.0, |t| (1.1..2.2).contains(&t));
-        assert_eq!(lit.len(), 2);
-        assert!(
-            (lit[0].1 - 1.1).abs() < 1e-8 && (lit[1].0 - 2.2).abs() < 1e-8,
-            "{lit:?}"
+    /// What one lamp's light adds to a stretch of a ray.
+    fn scattered(&self, light: &LampLight, ray: &Ray, from_m: f64, to_m: f64, sum: &mut Bands) {
+        let airlight = Airlight {
+            medium: &self.scene.medium,
+            attenuation_per_m: self.attenuation_per_m,
+            points: self.scene.sampling.airlight_points,
+        };
+        let lamp = &light.lamp;
+        let scattered = airlight.lamp(
+            &(lamp.position_m - ray.at(from_m)),
+            &ray.direction,
+            to_m - from_m,
+            |direction, _| cone(light, direction),
         );
+        let before = transmittance(&self.attenuation_per_m, from_m);
+        for k in 0..3 {
+            sum[k] += lamp.radiant_intensity_w_per_sr[k] * scattered[k] * before[k];
+        }
     }
 }

@@ -41,7 +41,7 @@ fn value_noise(seed: u64, octave: u32, x: f64, y: f64) -> f64 {
     row(0.0) * (1.0 - sy) + row(1.0) * sy
 }
 
-/// A number in [−1, 1) for a node (finaliser of SplitMix64).
+/// A number in [−1, 1) for a node (finaliser of `SplitMix64`).
 fn hash(seed: u64, octave: u32, i: i64, j: i64) -> f64 {
     let mut z = seed
         ^ u64::from(octave).wrapping_mul(0x9E37_79B9_7F4A_7C15)

@@ -1,12 +1,13 @@
 //! A scene prepared for ray-casting.
 
-use rodsight_geometry::Vec3;
+use rodsight_geometry::{Camera, Eye, Pixel, Vec3};
 use rodsight_optics::Bands;
 use rodsight_scene::{Material, Mode, Scene};
 
 use super::light::LampLight;
+use super::rod::RodSolid;
 use super::seabed;
-use super::solid::{Face, Ray, RodSolid};
+use super::solid::{Face, Ray};
 
 /// A scene with what can be computed once.
 #[derive(Debug)]
@@ -18,6 +19,8 @@ pub(crate) struct World<'a> {
     pub(super) attenuation_per_m: Bands,
     /// Beyond this the water sends no more light, m.
     pub(super) horizon_m: f64,
+    /// Angle between the rays of neighbouring pixels of the coarser eye, rad: one for both, so that textures agree.
+    footprint_rad: f64,
 }
 
 /// What a ray meets first.
@@ -77,6 +80,10 @@ impl<'a> World<'a> {
             lamps,
             attenuation_per_m,
             horizon_m: (12.0 / clearest).min(1e4),
+            footprint_rad: Eye::BOTH
+                .map(|eye| pixel_angle_rad(&scene.rig.eye(eye).camera))
+                .into_iter()
+                .fold(0.0, f64::max),
         }
     }
 
@@ -130,7 +137,7 @@ impl<'a> World<'a> {
             Thing::Rod(index) => self.scene.rods[index].material,
             Thing::Seabed => {
                 let seabed = self.scene.seabed.as_ref().expect("a ray hit the seabed");
-                let along_floor = hit.t_m * self.footprint_rad() / ray.direction.z.abs().max(1e-3);
+                let along_floor = hit.t_m * self.footprint_rad / ray.direction.z.abs().max(1e-3);
                 Material::Lambert(seabed::albedo(
                     seabed,
                     self.scene.seed,
@@ -140,9 +147,27 @@ impl<'a> World<'a> {
             }
         }
     }
+}
 
-    /// Angle between the rays of neighbouring pixels, rad; the same for both eyes so that textures agree.
-    pub(super) fn footprint_rad(&self) -> f64 {
-        1.0 / self.scene.rig.left.camera.intrinsics().fx_px
+/// The largest angle between the rays of neighbouring pixels, rad. A pinhole has it at its principal point, 1/f; a distorted lens is
+/// asked on a grid, as nothing changes fast in a lens.
+pub(super) fn pixel_angle_rad(camera: &Camera) -> f64 {
+    const STEPS: u32 = 16;
+    let i = camera.intrinsics();
+    let mut largest = 1.0 / i.fx_px.min(i.fy_px);
+    if camera.is_pinhole() {
+        return largest;
     }
+    let step =
+        |cells: u32, size_px: u32| (f64::from(size_px) - 1.0) * f64::from(cells) / f64::from(STEPS);
+    for (column, row) in (0..=STEPS).flat_map(|c| (0..=STEPS).map(move |r| (c, r))) {
+        let corner = Pixel::new(step(column, i.width_px), step(row, i.height_px));
+        let across = [Pixel::x(), Pixel::y()].map(|one| camera.ray(&(corner + one)));
+        if let (Some(here), [Some(right), Some(below)]) = (camera.ray(&corner), across) {
+            largest = largest
+                .max((right - here).norm())
+                .max((below - here).norm());
+        }
+    }
+    largest
 }

@@ -97,3 +97,73 @@ pub fn bare_lamp(position_m: Vec3, radiant_intensity_w_per_sr: [f64; 3]) -> Lamp
         outer_half_angle_rad: core::f64::consts::PI,
     }
 }
+
+/// Water of type IB-like turbidity, two lamps, a textured floor.
+pub fn wet(shrink: u32) -> Scene {
+    let mut scene = empty(shrink);
+    scene.mode = Mode::Single;
+    scene.medium = Medium::new(
+        [0.23, 0.05, 0.04],
+        [0.12, 0.125, 0.13],
+        rodsight_optics::Phase::petzold3(),
+    )
+    .unwrap();
+    for y_m in [-0.9, 0.9] {
+        scene
+            .lamps
+            .push(bare_lamp(Vec3::new(0.1, y_m, -1.35), [1.8, 2.0, 0.9]));
+    }
+    scene.seabed = Some(rodsight_scene::Seabed {
+        z_m: 0.15,
+        albedo: [0.42, 0.36, 0.26],
+        texture_contrast: 0.25,
+        texture_scale_m: 0.15,
+    });
+    scene.exposure = Exposure::Auto {
+        quantile: 0.99,
+        level: 0.8,
+    };
+    scene.sensor = Sensor::Emva(rodsight_scene::Emva {
+        full_well_e: 10_500.0,
+        read_noise_e: 2.5,
+        dark_e: 0.2,
+        prnu: 0.006,
+        dsnu_e: 1.0,
+        adc_bits: 12,
+    });
+    scene
+}
+
+/// A straight matt rod.
+pub fn orange_rod(centre_m: Vec3, direction: Vec3, radius_m: f64) -> Rod {
+    Rod {
+        length_m: 3.0,
+        material: Material::Lambert([0.9, 0.3, 0.04]),
+        ..flat_rod(centre_m, direction, radius_m)
+    }
+}
+
+/// Every number of a pixel.
+pub fn numbers(p: &rodsight_render::PixelTruth) -> [f32; 24] {
+    let triples = [
+        p.radiance,
+        p.direct,
+        p.backscatter,
+        p.clean,
+        p.transmission,
+        p.normal,
+    ];
+    let mut all = [0.0; 24];
+    for (three, values) in all.chunks_exact_mut(3).zip(triples) {
+        three.copy_from_slice(&values);
+    }
+    all[18..].copy_from_slice(&[
+        p.depth_m,
+        p.range_m,
+        p.disparity_px,
+        f32::from(p.instance),
+        f32::from(p.material),
+        f32::from(u8::from(p.occluded)),
+    ]);
+    all
+}

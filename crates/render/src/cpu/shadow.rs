@@ -1,0 +1,276 @@
+//! The shadows that rods cast into the water: where along a camera ray a lamp is hidden.
+
+use rodsight_geometry::Vec3;
+
+use super::solid::{Capped, Ray};
+
+/// Stretches shorter than this send no light worth a sum, m.
+pub(super) const MIN_STRETCH_M: f64 = 1e-9;
+/// Shadow rays end this much short of the point they ask about, relative.
+const GAP: f64 = 1e-6;
+
+/// What may stand in the light of one lamp: straight pieces of rods.
+#[derive(Clone, Debug)]
+pub(super) struct Shadows {
+    lamp_m: Vec3,
+    casters: Vec<Caster>,
+}
+
+/// A capped cylinder as its lamp sees it. Vectors are from the lamp.
+#[derive(Clone, Debug)]
+struct Caster {
+    piece: Capped,
+    centre_m: Vec3,
+    bounding_radius_m: f64,
+    /// The lines along which the two planes through the lamp touch the side, by their point beside the piece's centre; none if
+    /// the lamp looks at a cap only.
+    touching_m: Option<[Vec3; 2]>,
+}
+
+/// The plane of a lamp and a ray: unit vectors, and the lamp's distance from the ray.
+struct Section {
+    normal: Vec3,
+    /// From the lamp towards the nearest point of the ray.
+    across: Vec3,
+    along: Vec3,
+    distance_m: f64,
+}
+
+/// A direction in the plane of lamp and ray as the lamp sees it: (across, along).
+type Direction = (f64, f64);
+
+impl Section {
+    fn direction(&self, point_m: &Vec3) -> Direction {
+        (self.across.dot(point_m), self.along.dot(point_m))
+    }
+
+    /// The part of the ray between two directions less than half a turn apart, by distances from the ray's point nearest to the
+    /// lamp; `None` if both look away from it.
+    fn between(&self, first: Direction, last: Direction) -> Option<(f64, f64)> {
+        let meets = |(x, y): Direction| (x > 0.0).then(|| self.distance_m * y / x);
+        match (meets(first), meets(last)) {
+            (None, None) => None,
+            (from, to) => Some((
+                from.unwrap_or(f64::NEG_INFINITY),
+                to.unwrap_or(f64::INFINITY),
+            )),
+        }
+    }
+}
+
+impl Shadows {
+    pub(super) fn new(lamp_m: Vec3, pieces: impl Iterator<Item = Capped>) -> Self {
+        let casters = pieces.map(|piece| {
+            let (axis, radius_m) = (piece.cylinder.axis, piece.cylinder.radius_m);
+            let centre_m = axis.point_m - lamp_m;
+            let touching_m = piece.cylinder.tangent_planes(&lamp_m).map(|planes| {
+                [
+                    centre_m - planes.plus * radius_m,
+                    centre_m + planes.minus * radius_m,
+                ]
+            });
+            Caster {
+                piece,
+                centre_m,
+                bounding_radius_m: libm::hypot(piece.half_length_m, radius_m),
+                touching_m,
+            }
+        });
+        Self {
+            lamp_m,
+            casters: casters.collect(),
+        }
+    }
+
+    /// The stretches of the first `distance_m` of a ray that the lamp does not reach, in order; they may overlap. The ray must end
+    /// where it first meets a rod.
+    pub(super) fn dark_stretches(&self, ray: &Ray, distance_m: f64) -> Vec<(f64, f64)> {
+        let mut dark = Vec::new();
+        let nearest_t_m = (self.lamp_m - ray.origin_m).dot(&ray.direction);
+        let foot = ray.at(nearest_t_m) - self.lamp_m;
+        let distance_to_ray_m = foot.norm();
+        // All points of a ray through the lamp are in its light: the ray ends at what could stand between.
+        if !(distance_to_ray_m > 1e-9) {
+            return dark;
+        }
+        let across = foot / distance_to_ray_m;
+        let section = Section {
+            normal: across.cross(&ray.direction),
+            across,
+            along: ray.direction,
+            distance_m: distance_to_ray_m,
+        };
+        for caster in &self.casters {
+            let Some((first, last)) = caster.span(&section) else {
+                continue;
+            };
+            let from = (nearest_t_m + first).max(0.0);
+            let to = (nearest_t_m + last).min(distance_m);
+            if to - from > MIN_STRETCH_M && self.is_dark(caster, &ray.at(0.5 * (from + to))) {
+                dark.push((from, to));
+            }
+        }
+        dark.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        dark
+    }
+
+    fn is_dark(&self, caster: &Caster, point_m: &Vec3) -> bool {
+        let to_point = point_m - self.lamp_m;
+        let distance = to_point.norm();
+        let ray = Ray {
+            origin_m: self.lamp_m,
+            direction: to_point / distance,
+        };
+        caster.piece.blocks(&ray, distance * (1.0 - GAP))
+    }
+}
+
+impl Caster {
+    /// The part of the ray that looks at the lamp across the piece, by distances from the ray's point nearest to the lamp; `None`
+    /// if there is none.
+    ///
+    /// The plane of lamp and ray cuts the piece in a convex figure, an ellipse without what lies beyond the caps. The angles under
+    /// which the lamp sees it end where the lamp's tangents touch the ellipse or at its corners, where the rims of the caps cross
+    /// the plane. A ray that does not enter the piece is wholly behind or wholly before it between these angles, so that one probe
+    /// tells whether it is dark there.
+    fn span(&self, section: &Section) -> Option<(f64, f64)> {
+        if section.normal.dot(&self.centre_m).abs() > self.bounding_radius_m {
+            return None;
+        }
+        let d = self.piece.cylinder.axis.direction;
+        let (half, radius) = (self.piece.half_length_m, self.piece.cylinder.radius_m);
+        let tilt = section.normal.dot(&d);
+        let mut span: Option<(Direction, Direction)> = None;
+        let mut see = |point_m: &Vec3| {
+            let seen = section.direction(point_m);
+            let turn = |from: Direction| from.0 * seen.1 - from.1 * seen.0;
+            let (first, last) = span.unwrap_or((seen, seen));
+            span = Some((
+                if turn(first) < 0.0 { seen } else { first },
+                if turn(last) > 0.0 { seen } else { last },
+            ));
+        };
+        for line_m in self.touching_m.iter().flatten() {
+            let along = -section.normal.dot(line_m) / tilt;
+            // Not so for NaN: the plane holds the line, and the corners tell all.
+            if along.abs() <= half {
+                see(&(line_m + d * along));
+            }
+        }
+        // Across the axis the plane is the line of points m with normal·m = −distance.
+        let flat = section.normal - d * tilt;
+        let flat2 = flat.norm_squared();
+        if flat2 > 1e-20 {
+            let sideways = d.cross(&section.normal) / flat2.sqrt();
+            for cap_m in [self.centre_m - d * half, self.centre_m + d * half] {
+                let distance = section.normal.dot(&cap_m);
+                let chord2 = radius * radius - distance * distance / flat2;
+                if chord2 >= 0.0 {
+                    let middle = cap_m - flat * (distance / flat2);
+                    let chord = sideways * chord2.sqrt();
+                    see(&(middle - chord));
+                    see(&(middle + chord));
+                }
+            }
+        }
+        let (first, last) = span?;
+        section.between(first, last)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rodsight_geometry::{Cylinder, Line3};
+
+    use super::*;
+
+    /// A stream of numbers in [−1, 1), for scenes of all kinds.
+    fn numbers() -> impl FnMut() -> f64 {
+        let mut state = 0x9E37_79B9_u32;
+        move || {
+            state ^= state << 13;
+            state ^= state >> 17;
+            state ^= state << 5;
+            f64::from(state) / 2_147_483_648.0 - 1.0
+        }
+    }
+
+    fn point(next: &mut impl FnMut() -> f64, scale_m: f64) -> Vec3 {
+        Vec3::new(next(), next(), next()) * scale_m
+    }
+
+    /// Dark by the closed form and dark by a march with a shadow test at each step, over random pieces, lamps and rays.
+    #[test]
+    fn stretches_agree_with_a_march_of_shadow_tests() {
+        const STEPS: u32 = 2000;
+        let mut next = numbers();
+        let (mut shadowed, mut from_the_end) = (0, 0);
+        for case in 0..4000 {
+            let piece = Capped {
+                cylinder: Cylinder {
+                    axis: Line3::new(point(&mut next, 0.4), &point(&mut next, 1.0)),
+                    radius_m: 0.15 + 0.1 * next(),
+                },
+                half_length_m: 0.4 + 0.35 * next(),
+            };
+            let mut lamp_m = point(&mut next, 2.0);
+            if case % 4 == 0 {
+                // Beyond an end, within the cylinder made longer.
+                lamp_m = piece.cylinder.axis.point_m
+                    + piece.cylinder.axis.direction * 1.5
+                    + point(&mut next, 0.03);
+                from_the_end += u32::from(piece.cylinder.tangent_planes(&lamp_m).is_none());
+            }
+            let origin_m = point(&mut next, 2.0);
+            let ray = Ray {
+                origin_m,
+                direction: (point(&mut next, 0.8) - origin_m).normalize(),
+            };
+            let inside = |p: &Vec3| {
+                let w = p - piece.cylinder.axis.point_m;
+                let s = w.dot(&piece.cylinder.axis.direction);
+                s.abs() <= piece.half_length_m
+                    && piece.cylinder.axis.distance_m(p) <= piece.cylinder.radius_m
+            };
+            if inside(&lamp_m) || inside(&origin_m) {
+                continue;
+            }
+            let distance_m = piece.hit(&ray).map_or(4.0, |hit| hit.t_m);
+            let shadows = Shadows::new(lamp_m, core::iter::once(piece));
+            let dark = shadows.dark_stretches(&ray, distance_m);
+            let found: f64 = dark.iter().map(|(from, to)| to - from).sum();
+            let step = distance_m / f64::from(STEPS);
+            let is_dark = |i: u32| {
+                let p = ray.at(step * (f64::from(i) + 0.5));
+                shadows.is_dark(&shadows.casters[0], &p)
+            };
+            let marched = f64::from((0..STEPS).filter(|&i| is_dark(i)).count() as u32) * step;
+            assert!(
+                (found - marched).abs() < 3.0 * step,
+                "case {case}: {found} and {marched}"
+            );
+            shadowed += u32::from(marched > 0.0);
+        }
+        assert!(
+            shadowed > 400 && from_the_end > 300,
+            "{shadowed} shadows, {from_the_end} lamps before a cap"
+        );
+    }
+
+    #[test]
+    fn ray_through_the_lamp_is_all_lit() {
+        let piece = Capped {
+            cylinder: Cylinder {
+                axis: Line3::new(Vec3::new(2.0, 0.0, 0.0), &Vec3::z()),
+                radius_m: 0.1,
+            },
+            half_length_m: 1.0,
+        };
+        let shadows = Shadows::new(Vec3::zeros(), core::iter::once(piece));
+        let ray = Ray {
+            origin_m: Vec3::zeros(),
+            direction: Vec3::x(),
+        };
+        assert!(shadows.dark_stretches(&ray, 1.9).is_empty());
+    }
+}

@@ -1,0 +1,210 @@
+//! What one eye sees of one rod.
+
+use rodsight_geometry::{Cylinder, Line3, MountedCamera, Pixel, Vec3};
+use rodsight_scene::Rod;
+
+use super::{ConeTruth, EyeTruth};
+use crate::cpu::arc::Arc;
+use crate::cpu::solid::Ray;
+use crate::cpu::world::{Thing, World};
+use crate::develop::noise_sigma;
+use crate::frame::EyeFrame;
+use crate::srgb::srgb_encode;
+
+/// One rod in one eye.
+pub(super) struct EyeView<'a> {
+    pub(super) world: &'a World<'a>,
+    pub(super) rod: &'a Rod,
+    pub(super) arc: Arc,
+    pub(super) mounted: &'a MountedCamera,
+    pub(super) frame: &'a EyeFrame,
+}
+
+/// Points along a curve of the truth.
+const CURVE_POINTS: usize = 257;
+/// Pixels from the limb at which contrast is measured, on either side: outside any blur. Within a thin rod, no farther than its axis.
+const CONTRAST_REACH_PX: f64 = 2.5;
+
+impl EyeView<'_> {
+    pub(super) fn truth(&self, index: usize, gain: f64) -> EyeTruth {
+        let camera_from_rig = self.mounted.rig_from_camera.inverse();
+        let axis = self.arc.at(0.0);
+        let straight = self.rod.bend.is_none() && self.mounted.camera.is_pinhole();
+        let lines = straight
+            .then(|| {
+                let cylinder = Cylinder {
+                    axis,
+                    radius_m: self.rod.radius_m,
+                };
+                cylinder.image_lines(&self.mounted.camera, &self.mounted.rig_from_camera)
+            })
+            .flatten()
+            .map(|[plus_limb, minus_limb, axis]| ConeTruth {
+                plus_limb,
+                minus_limb,
+                axis,
+            });
+        let visible_m = self.visible_stretches(index);
+        let instance = index as u16 + 2;
+        EyeTruth {
+            axis_in_camera: Line3 {
+                point_m: camera_from_rig.point(&axis.point_m),
+                direction: camera_from_rig.direction(&axis.direction),
+            }
+            .into(),
+            curves: if lines.is_some() { None } else { self.curves() },
+            lines,
+            contrast_to_noise: [1.0, -1.0]
+                .map(|side| self.contrast_to_noise(side, &visible_m, gain)),
+            visible_m,
+            visible_px: self
+                .frame
+                .pixels
+                .iter()
+                .filter(|pixel| pixel.instance == instance)
+                .count() as u64,
+        }
+    }
+
+    /// Point of a limb (side ±1) or of the axis (0) at arc length s: the surface point whose tangent plane holds the camera.
+    fn contour_point(&self, s_m: f64, side: f64) -> Option<Vec3> {
+        let axis = self.arc.at(s_m);
+        if side == 0.0 {
+            return Some(axis.point_m);
+        }
+        let cylinder = Cylinder {
+            axis,
+            radius_m: self.rod.radius_m,
+        };
+        let planes = cylinder.tangent_planes(&self.mounted.rig_from_camera.origin_m())?;
+        let normal = if side > 0.0 {
+            planes.plus
+        } else {
+            planes.minus
+        };
+        Some(axis.point_m - normal * (side * self.rod.radius_m))
+    }
+
+    fn curves(&self) -> Option<ConeTruth<Vec<[f64; 2]>>> {
+        let curve = |side: f64| -> Option<Vec<[f64; 2]>> {
+            let points: Vec<[f64; 2]> = (0..CURVE_POINTS)
+                .map(|i| self.rod.length_m * (i as f64 / (CURVE_POINTS - 1) as f64 - 0.5))
+                .filter_map(|s_m| self.mounted.project(&self.contour_point(s_m, side)?))
+                .map(Into::into)
+                .collect();
+            (points.len() > 1).then_some(points)
+        };
+        Some(ConeTruth {
+            plus_limb: curve(1.0)?,
+            minus_limb: curve(-1.0)?,
+            axis: curve(0.0)?,
+        })
+    }
+
+    /// Whether the surface over the axis point at s is in the image and nothing hides it.
+    fn is_visible(&self, s_m: f64, index: usize) -> bool {
+        let origin_m = self.mounted.rig_from_camera.origin_m();
+        let axis = self.arc.at(s_m);
+        let inside = self
+            .mounted
+            .project(&axis.point_m)
+            .is_some_and(|pixel| self.mounted.camera.contains(&pixel));
+        let to_axis = axis.point_m - origin_m;
+        let distance_m = to_axis.norm();
+        let ray = Ray {
+            origin_m,
+            direction: to_axis / distance_m,
+        };
+        // The surface over this point, not another turn of a bent rod, nor a cap that hides all behind it.
+        let depth_m = self.rod.radius_m / ray.direction.cross(&axis.direction).norm();
+        let foot_m = axis.foot(&origin_m);
+        inside
+            && (foot_m - origin_m).norm() > self.rod.radius_m
+            && self.world.hit(&ray).is_some_and(|hit| {
+                hit.thing == Thing::Rod(index) && distance_m - hit.t_m <= depth_m * 1.01
+            })
+    }
+
+    fn visible_stretches(&self, index: usize) -> Vec<[f64; 2]> {
+        let half = self.rod.length_m / 2.0;
+        // A hair inside the ends: a ray to the very end may slip past the cap.
+        let at =
+            |i: usize| (2.0 * i as f64 / (CURVE_POINTS - 1) as f64 - 1.0) * half * (1.0 - 1e-9);
+        let mut stretches = Vec::new();
+        let mut begin = self.is_visible(at(0), index).then_some(-half);
+        for i in 1..CURVE_POINTS {
+            let (mut a, mut b) = (at(i - 1), at(i));
+            let was = begin.is_some();
+            if self.is_visible(b, index) == was {
+                continue;
+            }
+            for _ in 0..40 {
+                let middle = 0.5 * (a + b);
+                if self.is_visible(middle, index) == was {
+                    a = middle;
+                } else {
+                    b = middle;
+                }
+            }
+            match begin.take() {
+                Some(start) => stretches.push([start, b]),
+                None => begin = Some(b),
+            }
+        }
+        stretches.extend(begin.map(|start| [start, half]));
+        stretches
+    }
+
+    /// Mean over the visible limb of the noise-free encoded difference across it, over the noise there.
+    fn contrast_to_noise(&self, side: f64, visible_m: &[[f64; 2]], gain: f64) -> Option<f64> {
+        const STEPS: usize = 64;
+        let scene = self.world.scene;
+        let (mut difference, mut noise, mut count) = ([0.0; 3], [0.0; 3], 0.0);
+        for [from, to] in visible_m {
+            for i in 0..STEPS {
+                let s_m = from + (to - from) * (i as f64 + 0.5) / STEPS as f64;
+                let Some([inside, outside]) = self.across_limb(s_m, side) else {
+                    continue;
+                };
+                for k in 0..3 {
+                    let [a, b] = [inside[k], outside[k]].map(|light| gain * f64::from(light));
+                    let balance = scene.white_balance[k];
+                    difference[k] += srgb_encode(balance * a) - srgb_encode(balance * b);
+                    let [sigma_a, sigma_b] =
+                        [a, b].map(|signal| noise_sigma(&scene.sensor, signal, balance));
+                    noise[k] += f64::midpoint(sigma_a * sigma_a, sigma_b * sigma_b).sqrt();
+                }
+                count += 1.0;
+            }
+        }
+        if count == 0.0 || noise.contains(&0.0) {
+            return None;
+        }
+        let squares = (0..3)
+            .map(|k| difference[k] / noise[k])
+            .map(|ratio| ratio * ratio);
+        Some(libm::sqrt(squares.sum::<f64>()))
+    }
+
+    /// Radiance just inside and just outside a limb at s.
+    fn across_limb(&self, s_m: f64, side: f64) -> Option<[[f32; 3]; 2]> {
+        let limb_at = |s_m: f64| self.mounted.project(&self.contour_point(s_m, side)?);
+        let limb = limb_at(s_m)?;
+        let step_m = 0.1 * self.rod.radius_m;
+        let along = (limb_at(s_m + step_m)? - limb_at(s_m - step_m)?).try_normalize(1e-12)?;
+        let across = Pixel::new(-along.y, along.x);
+        let to_axis = (self.mounted.project(&self.arc.at(s_m).point_m)? - limb).dot(&across);
+        let inwards = across * to_axis.signum();
+        let radiance = |pixel: Pixel| {
+            self.mounted.camera.contains(&pixel).then(|| {
+                let column = (pixel.x as u32).min(self.frame.width_px - 1);
+                let row = (pixel.y as u32).min(self.frame.height_px - 1);
+                self.frame.at(column, row).radiance
+            })
+        };
+        Some([
+            radiance(limb + inwards * to_axis.abs().min(CONTRAST_REACH_PX))?,
+            radiance(limb - inwards * CONTRAST_REACH_PX)?,
+        ])
+    }
+}

@@ -1,0 +1,142 @@
+//! What is written is read back to the bit.
+
+mod common;
+
+use rodsight_geometry::{Eye, Image, Samples, Vec3};
+use rodsight_render::{
+    CpuRenderer, PairPaths, Renderer, Truth, develop, read_exr, read_image, write_image, write_pair,
+};
+use rodsight_scene::Scene;
+
+fn scene() -> Scene {
+    let mut scene = common::wet(16);
+    scene.rods.push(common::orange_rod(
+        Vec3::new(2.2, -0.1, -0.9),
+        Vec3::new(0.2, 0.3, 1.0),
+        0.05,
+    ));
+    scene
+}
+
+/// As bits: +∞ is equal to itself, and so would NaN be.
+fn bits(frame: &rodsight_render::EyeFrame) -> Vec<u32> {
+    frame
+        .pixels
+        .iter()
+        .flat_map(common::numbers)
+        .map(f32::to_bits)
+        .collect()
+}
+
+#[test]
+fn pair_is_read_back_to_the_bit() {
+    let scene = scene();
+    let frame = CpuRenderer.render(&scene, &|_| ()).unwrap();
+    let developed = develop(&frame, &scene).unwrap();
+    let truth = Truth::of(&scene, &frame, developed.gain).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let paths: PairPaths =
+        write_pair(folder.path(), &scene, Some(&frame), &developed, &truth).unwrap();
+    for (eye, exr, png) in [
+        (Eye::Left, &paths.left_exr, &paths.left_png),
+        (Eye::Right, &paths.right_exr, &paths.right_png),
+    ] {
+        let back = read_exr(exr).unwrap();
+        assert_eq!(
+            (back.width_px, back.height_px),
+            (frame.eye(eye).width_px, frame.eye(eye).height_px)
+        );
+        assert!(bits(&back) == bits(frame.eye(eye)), "{}", eye.name());
+        assert_eq!(&read_image(png).unwrap(), developed.eye(eye));
+    }
+    let text = std::fs::read_to_string(&paths.truth_json).unwrap();
+    let back: Truth = serde_json::from_str(&text).unwrap();
+    assert_eq!(back, truth);
+    let left_over: Vec<_> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name())
+        .filter(|name| name.to_string_lossy().ends_with(".part"))
+        .collect();
+    assert!(left_over.is_empty(), "{left_over:?}");
+}
+
+#[test]
+fn channels_of_the_exr_are_these() {
+    let scene = scene();
+    let frame = CpuRenderer.render(&scene, &|_| ()).unwrap();
+    let developed = develop(&frame, &scene).unwrap();
+    let truth = Truth::of(&scene, &frame, developed.gain).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let paths = write_pair(folder.path(), &scene, Some(&frame), &developed, &truth).unwrap();
+    let meta = exr::meta::MetaData::read_from_file(&paths.left_exr, true).unwrap();
+    let channels = &meta.headers[0].channels.list;
+    let names: Vec<String> = channels
+        .iter()
+        .map(|c| format!("{} {:?}", c.name, c.sample_type))
+        .collect();
+    assert_eq!(
+        names,
+        [
+            "B F32",
+            "G F32",
+            "R F32",
+            "backscatter.B F32",
+            "backscatter.G F32",
+            "backscatter.R F32",
+            "clean.B F32",
+            "clean.G F32",
+            "clean.R F32",
+            "depth_m F32",
+            "direct.B F32",
+            "direct.G F32",
+            "direct.R F32",
+            "disparity_px F32",
+            "instance U32",
+            "material U32",
+            "normal.X F32",
+            "normal.Y F32",
+            "normal.Z F32",
+            "occluded U32",
+            "range_m F32",
+            "transmission.B F32",
+            "transmission.G F32",
+            "transmission.R F32",
+        ]
+    );
+}
+
+#[test]
+fn images_of_all_kinds_are_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut rng = rodsight_testkit::SplitMix64::new(3);
+    for channels in [1_u8, 3] {
+        let count = 37 * 21 * usize::from(channels);
+        let narrow = Samples::U8((0..count).map(|_| rng.next_u64() as u8).collect());
+        let wide = Samples::U16((0..count).map(|_| rng.next_u64() as u16).collect());
+        for samples in [narrow, wide] {
+            let image = Image::new(37, 21, channels, samples).unwrap();
+            let path = folder.path().join("image.png");
+            write_image(&path, &image).unwrap();
+            assert_eq!(read_image(&path).unwrap(), image);
+        }
+    }
+}
+
+#[test]
+fn files_that_are_none_of_ours_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("notes.txt");
+    std::fs::write(&path, "no image").unwrap();
+    for message in [
+        read_image(&path).unwrap_err().to_string(),
+        read_exr(&path).unwrap_err().to_string(),
+        read_exr(&folder.path().join("gone.exr"))
+            .unwrap_err()
+            .to_string(),
+    ] {
+        assert!(
+            message.contains("notes.txt") || message.contains("gone.exr"),
+            "{message}"
+        );
+    }
+}
