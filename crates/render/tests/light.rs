@@ -1,5 +1,12 @@
 //! Light against closed forms: V2, V3, V4, V10, V11 and V12 of the validation plan, through the renderer.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::needless_range_loop,
+    clippy::allow_attributes,
+    reason = "helpers of tests may panic, and bands are counted 0 to 2; not every test binary needs each"
+)]
+
 mod common;
 
 use core::f64::consts::PI;

@@ -167,3 +167,44 @@ pub fn numbers(p: &rodsight_render::PixelTruth) -> [f32; 24] {
     ]);
     all
 }
+
+/// Two rods over sand, one before the other.
+pub fn crossing(shrink: u32) -> Scene {
+    let mut scene = wet(shrink);
+    scene.rods.push(orange_rod(
+        Vec3::new(2.2, -0.1, -0.9),
+        Vec3::new(0.2, 0.3, 1.0),
+        0.05,
+    ));
+    scene.rods.push(orange_rod(
+        Vec3::new(1.6, 0.0, -0.9),
+        Vec3::new(0.1, 1.0, 0.1),
+        0.04,
+    ));
+    scene.sampling.edge = EdgeSampling::Fibonacci { points: 21 };
+    scene
+}
+
+fn lens(distortion: Distortion) -> Camera {
+    let i = Intrinsics {
+        width_px: 240,
+        height_px: 136,
+        fx_px: 196.0,
+        fy_px: 193.0,
+        cx_px: 121.5,
+        cy_px: 66.0,
+    };
+    Camera::new(i, distortion).unwrap()
+}
+
+/// A lens of a machine-vision camera.
+pub const BROWN: Distortion = Distortion::BrownConrady([-0.12, 0.03, 0.001, -0.002, 0.0]);
+/// A wide lens.
+pub const KANNALA: Distortion = Distortion::KannalaBrandt([0.02, -0.004, 0.001, 0.0]);
+
+/// A scene through another lens, 240 px wide.
+pub fn distorted(distortion: Distortion, mut scene: Scene) -> Scene {
+    scene.rig.left.camera = lens(distortion);
+    scene.rig.right.camera = lens(distortion);
+    scene
+}
