@@ -39,7 +39,7 @@ Example:
   rodsight demo
   rodsight demo -o /tmp/demo --json | jq '.methods[].errors.axis_offset_m'
 
-Writes index.html (all of it on one page), result.json, the pictures, and the pair as `rodsight render` does but for the
+Writes index.html (all of it on one page), result.json, summary.png, the pictures, and the pair as `rodsight render` does but for the
 truth channels (left.exr right.exr).")]
 pub(crate) struct DemoArgs {
     /// Folder to write to

@@ -20,24 +20,12 @@ pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     let left = EyePictures::load(&truth, Eye::Left, &paths.left_png, &paths.left_exr)?;
     let right = EyePictures::load(&truth, Eye::Right, &paths.right_png, &paths.right_exr)?;
 
-    let sheet_rows: Vec<Vec<Canvas>> = [&left, &right]
-        .into_iter()
-        .flat_map(|eye| {
-            let small = |c: &Canvas| c.shrunk(800);
-            let image = std::iter::once(&eye.whole)
-                .chain(&eye.near)
-                .map(small)
-                .collect();
-            [
-                image,
-                eye.channels
-                    .iter()
-                    .map(|(_, channel)| small(channel))
-                    .collect::<Vec<_>>(),
-            ]
-        })
-        .filter(|row| !row.is_empty())
-        .collect();
+    // A row for each eye.
+    let sheet_rows = [&left, &right].map(|eye| {
+        let channels = eye.channels.iter().map(|(_, channel)| channel);
+        let pictures = std::iter::once(&eye.whole).chain(&eye.near).chain(channels);
+        pictures.map(|picture| picture.shrunk(640)).collect()
+    });
     let sheet = args.folder.join("inspect.png");
     Canvas::sheet(&sheet_rows).write(&sheet)?;
     let page = args.folder.join("inspect.html");

@@ -111,8 +111,17 @@ impl Canvas {
         if self.pixmap.width() <= width_px {
             return self.clone();
         }
-        let factor = f64::from(width_px) / f64::from(self.pixmap.width());
-        let height_px = (f64::from(self.pixmap.height()) * factor).round().max(1.0) as u32;
+        self.scaled(f64::from(width_px) / f64::from(self.pixmap.width()))
+    }
+
+    /// The picture at this height, smoothly.
+    pub(crate) fn of_height(&self, height_px: u32) -> Self {
+        self.scaled(f64::from(height_px) / f64::from(self.pixmap.height()))
+    }
+
+    fn scaled(&self, factor: f64) -> Self {
+        let size = |pixels: u32| (f64::from(pixels) * factor).round().max(1.0) as u32;
+        let (width_px, height_px) = (size(self.pixmap.width()), size(self.pixmap.height()));
         let source =
             image::RgbImage::from_raw(self.pixmap.width(), self.pixmap.height(), self.rgb())
                 .expect("sizes agree");

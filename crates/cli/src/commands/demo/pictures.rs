@@ -56,7 +56,18 @@ pub(super) fn write(folder: &Path, rendered: &Rendered, methods: &[Solved]) -> R
             }
         }
     }
-    Ok(())
+    summary(rendered, methods).write(&folder.join("summary.png"))
+}
+
+/// The left eye in one strip: overlay, close-up, and the method's steps, all of one height.
+fn summary(rendered: &Rendered, methods: &[Solved]) -> Canvas {
+    const HEIGHT_PX: u32 = 360;
+    let annotation = annotation(rendered, methods, Eye::Left);
+    let steps = methods.first().map(|solved| figure6(eye_trace(solved, Eye::Left)));
+    let pictures = std::iter::once(annotated(&annotation))
+        .chain(close_up(&annotation, 160, 90, 10))
+        .chain(steps.into_iter().flatten().map(|(_, _, picture)| picture));
+    Canvas::sheet(&[pictures.map(|picture| picture.of_height(HEIGHT_PX)).collect()])
 }
 
 pub(super) fn page(
