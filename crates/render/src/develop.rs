@@ -25,8 +25,10 @@ pub struct Developed {
 enum Purpose {
     /// Normals for the three channels of a pixel.
     Plain,
-    /// Normals for a sample: response, photons, read-out, offset.
+    /// Normals for a sample: photons, read-out.
     Electrons,
+    /// Normals for a sample: response, offset.
+    Pattern,
     /// Uniforms for few photons.
     FewPhotons,
 }
@@ -118,12 +120,17 @@ fn digital<T: Copy + Send + Sync>(
                     .map(|value| number(srgb_encode(balance * value)))
                     .collect::<Vec<T>>()
             });
+            let specimen = Philox::new(emva.pattern_seed);
             pixels
                 .map(|pixel| {
                     let signal = signals(pixel);
                     core::array::from_fn(|k| {
                         let few = counter(pixel, k, Purpose::FewPhotons);
-                        let normals = philox.normals(counter(pixel, k, Purpose::Electrons));
+                        let [photons, read, ..] =
+                            philox.normals(counter(pixel, k, Purpose::Electrons));
+                        let [response, offset, ..] =
+                            specimen.normals(counter(pixel, k, Purpose::Pattern));
+                        let normals = [response, photons, read, offset];
                         encoded[k][expose(&emva, signal[k], philox, few, normals)]
                     })
                 })
@@ -134,7 +141,8 @@ fn digital<T: Copy + Send + Sync>(
 }
 
 /// EMVA 1288, release 4.0, section 3: electrons of light and dark current (Poisson), clipped at the full well, read noise and
-/// offset non-uniformity, then the converter, whose code it returns. Response and offset of a pixel stay the same for a seed.
+/// offset non-uniformity, then the converter, whose code it returns. Response and offset of a pixel are those of the
+/// specimen: they stay when the scene's seed changes.
 fn expose(
     emva: &Emva,
     signal: f64,

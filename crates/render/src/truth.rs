@@ -35,6 +35,8 @@ pub struct Truth {
     pub water: WaterTruth,
     /// Exposure: fraction of full scale per W m⁻² sr⁻¹.
     pub gain: f64,
+    /// Gains of the bands after the sensor.
+    pub white_balance: [f64; 3],
     /// The rig.
     pub rig: RigFile,
     /// Every rod.
@@ -104,12 +106,12 @@ pub struct EyeTruth {
     /// The same as points along the rod, px, end to end, without what is behind the camera; null where `lines` is exact, where the
     /// rod is wholly behind, and where the camera looks along it from within its radius.
     pub curves: Option<ConeTruth<Vec<[f64; 2]>>>,
-    /// Stretches of the axis, m from its middle, whose surface is in the image and not hidden.
+    /// Stretches of the axis, m from its middle, that are in the image with nothing before the surface over them.
     pub visible_m: Vec<[f64; 2]>,
     /// Pixels whose centre shows the rod.
     pub visible_px: u64,
-    /// Contrast over noise on the plus and the minus limb: `√(Σ_bands (Δ/σ)²)`, Δ and σ on the encoded image, means over
-    /// the visible limb, 2.5 px to either side of it; null without noise or where the limb is not seen.
+    /// Contrast over noise on the plus and the minus limb: `√(Σ_bands (Δ/σ)²)`, Δ and σ on the encoded image 2.5 px to either
+    /// side, root mean square over the visible limb; null without noise or where the limb is not seen.
     pub contrast_to_noise: [Option<f64>; 2],
 }
 
@@ -162,6 +164,7 @@ impl Truth {
                 mean_scattering_cosine: scene.medium.phase().mean_cosine(),
             },
             gain,
+            white_balance: scene.white_balance,
             rig: RigFile::from_rig(&scene.rig),
             rods: scene
                 .rods

@@ -20,6 +20,7 @@ const SENSOR: Emva = Emva {
     prnu: 0.006,
     dsnu_e: 1.0,
     adc_bits: 12,
+    pattern_seed: 0,
 };
 
 /// A pair of flat images of the given radiance.
@@ -287,4 +288,36 @@ fn automatic_exposure_brings_the_quantile_to_its_level() {
         matches!(dark, Err(rodsight_render::RenderError::Dark { .. })),
         "{dark:?}"
     );
+}
+
+/// The fixed pattern belongs to the specimen: it is common to frames of different seeds, and another specimen has another.
+#[test]
+fn fixed_pattern_stays_when_the_seed_changes() {
+    let codes = |seed: u64, pattern_seed: u64| -> Vec<f64> {
+        let emva = Emva {
+            prnu: 0.02,
+            pattern_seed,
+            ..SENSOR
+        };
+        let scene = Scene {
+            seed,
+            ..scene(Sensor::Emva(emva), 16)
+        };
+        let developed = develop(&flat([0.5; 3], 200, 150), &scene).unwrap();
+        let left = fractions(&developed.left).into_iter();
+        left.map(srgb_decode).collect()
+    };
+    let covariance = |a: &[f64], b: &[f64]| {
+        let ((mean_a, _), (mean_b, _)) = (mean_and_variance(a), mean_and_variance(b));
+        let products = a.iter().zip(b).map(|(x, y)| (x - mean_a) * (y - mean_b));
+        products.sum::<f64>() / (a.len() - 1) as f64
+    };
+    let pattern_variance = (0.02_f64 * 0.5) * (0.02 * 0.5);
+    let common = covariance(&codes(1, 7), &codes(2, 7));
+    assert!(
+        (common / pattern_variance - 1.0).abs() < 0.05,
+        "{common} for {pattern_variance}"
+    );
+    let apart = covariance(&codes(1, 7), &codes(2, 8));
+    assert!(apart.abs() < 0.05 * pattern_variance, "{apart}");
 }

@@ -332,6 +332,8 @@ pub struct EmvaEntry {
     pub dsnu_e: f64,
     /// Bits of the converter; full scale = full well.
     pub adc_bits: u8,
+    /// Which specimen of the sensor: its fixed pattern (prnu, dsnu) stays the same whatever the scene's seed.
+    pub pattern_seed: u64,
 }
 
 impl Default for EmvaEntry {
@@ -343,6 +345,7 @@ impl Default for EmvaEntry {
             prnu: 0.006,
             dsnu_e: 1.0,
             adc_bits: 12,
+            pattern_seed: 0,
         }
     }
 }

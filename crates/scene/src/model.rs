@@ -163,6 +163,8 @@ pub struct Emva {
     pub dsnu_e: f64,
     /// Bits of the converter; full scale = full well.
     pub adc_bits: u8,
+    /// Which specimen of the sensor: its fixed pattern, whatever the scene's seed.
+    pub pattern_seed: u64,
 }
 
 /// How finely rays are cast.

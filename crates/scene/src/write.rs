@@ -63,6 +63,7 @@ impl SceneFile {
                     prnu: emva.prnu,
                     dsnu_e: emva.dsnu_e,
                     adc_bits: emva.adc_bits,
+                    pattern_seed: emva.pattern_seed,
                 }),
             },
             sampling: SamplingEntry {

@@ -100,7 +100,10 @@ impl EyePictures {
         if exr.exists() {
             let frame = read_exr(exr)?;
             check(exr, (frame.width_px, frame.height_px))?;
-            channels.extend(channel_panels(&frame, truth.gain));
+            channels.extend(channel_panels(
+                &frame,
+                truth.white_balance.map(|balance| truth.gain * balance),
+            ));
         }
         let annotation = Annotation {
             image: &image,

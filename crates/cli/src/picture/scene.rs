@@ -73,8 +73,8 @@ fn draw(annotation: &Annotation<'_>, mut canvas: Canvas, width_px: f64) -> Canva
     canvas
 }
 
-/// Depth, instances and the light scattered by the water of one eye.
-pub(crate) fn channel_panels(frame: &EyeFrame, gain: f64) -> [(&'static str, Canvas); 3] {
+/// Depth, instances and the light scattered by the water of one eye; `gains` take radiance to full scale per band.
+pub(crate) fn channel_panels(frame: &EyeFrame, gains: [f64; 3]) -> [(&'static str, Canvas); 3] {
     let window = Roi {
         x_px: 0,
         y_px: 0,
@@ -103,11 +103,9 @@ pub(crate) fn channel_panels(frame: &EyeFrame, gain: f64) -> [(&'static str, Can
     });
     let instances = Canvas::of(window, 1, |x, y| instance_colour(frame.at(x, y).instance));
     let scattered = Canvas::of(window, 1, |x, y| {
-        let [r, g, b] = frame
-            .at(x, y)
-            .backscatter
-            .map(|v| (srgb_encode(gain * f64::from(v)) * 255.0) as u8);
-        Colour(r, g, b)
+        let light = frame.at(x, y).backscatter;
+        let encoded = |k: usize| (srgb_encode(gains[k] * f64::from(light[k])) * 255.0) as u8;
+        Colour(encoded(0), encoded(1), encoded(2))
     });
     [
         ("depth", depth),

@@ -21,8 +21,11 @@ pub(crate) fn figure6(trace: &EyeTrace) -> [(&'static str, &'static str, Canvas)
         let mut first_round = trace.refined.first().into_iter().flatten();
         first_round.any(|line| line.sources.contains(&index))
     };
-    let (bright, dim): (Vec<_>, Vec<_>) =
-        trace.coarse.iter().enumerate().partition(|(index, _)| used(*index));
+    let (bright, dim): (Vec<_>, Vec<_>) = trace
+        .coarse
+        .iter()
+        .enumerate()
+        .partition(|(index, _)| used(*index));
     for (lines, colour, width_px) in [(dim, DIM, 0.7), (bright, CYAN, 1.5)] {
         for (_, voted) in lines {
             coarse.line(&voted.line, colour, width_px);
@@ -42,7 +45,11 @@ pub(crate) fn figure6(trace: &EyeTrace) -> [(&'static str, &'static str, Canvas)
     let last = refined(trace.refined.last(), true);
     [
         ("a-edges", "(a) edges", edges),
-        ("b-hough", "(b) lines by Hough; those that were refined bright", coarse),
+        (
+            "b-hough",
+            "(b) lines by Hough; those that were refined bright",
+            coarse,
+        ),
         ("c-refined-once", "(c) refined once", once),
         (
             "d-refined",

@@ -159,7 +159,7 @@ impl EyeView<'_> {
     fn contrast_to_noise(&self, side: f64, visible_m: &[[f64; 2]], gain: f64) -> Option<f64> {
         const STEPS: usize = 64;
         let scene = self.world.scene;
-        let (mut difference, mut noise, mut count) = ([0.0; 3], [0.0; 3], 0.0);
+        let (mut squares, mut count) = (0.0, 0.0);
         for [from, to] in visible_m {
             for i in 0..STEPS {
                 let s_m = from + (to - from) * (i as f64 + 0.5) / STEPS as f64;
@@ -169,21 +169,20 @@ impl EyeView<'_> {
                 for k in 0..3 {
                     let [a, b] = [inside[k], outside[k]].map(|light| gain * f64::from(light));
                     let balance = scene.white_balance[k];
-                    difference[k] += srgb_encode(balance * a) - srgb_encode(balance * b);
+                    let difference = srgb_encode(balance * a) - srgb_encode(balance * b);
                     let [sigma_a, sigma_b] =
                         [a, b].map(|signal| noise_sigma(&scene.sensor, signal, balance));
-                    noise[k] += f64::midpoint(sigma_a * sigma_a, sigma_b * sigma_b).sqrt();
+                    let variance = f64::midpoint(sigma_a * sigma_a, sigma_b * sigma_b);
+                    if variance == 0.0 {
+                        return None;
+                    }
+                    squares += difference * difference / variance;
                 }
                 count += 1.0;
             }
         }
-        if count == 0.0 || noise.contains(&0.0) {
-            return None;
-        }
-        let squares = (0..3)
-            .map(|k| difference[k] / noise[k])
-            .map(|ratio| ratio * ratio);
-        Some(libm::sqrt(squares.sum::<f64>()))
+        // The mean of the squares: what counts for the limit is information, and it adds up whatever the sign of the contrast.
+        (count > 0.0).then(|| (squares / count).sqrt())
     }
 
     /// Radiance just inside and just outside a limb at s.

@@ -130,6 +130,7 @@ pub fn wet(shrink: u32) -> Scene {
         prnu: 0.006,
         dsnu_e: 1.0,
         adc_bits: 12,
+        pattern_seed: 0,
     });
     scene
 }

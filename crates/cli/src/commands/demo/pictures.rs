@@ -63,11 +63,15 @@ pub(super) fn write(folder: &Path, rendered: &Rendered, methods: &[Solved]) -> R
 fn summary(rendered: &Rendered, methods: &[Solved]) -> Canvas {
     const HEIGHT_PX: u32 = 360;
     let annotation = annotation(rendered, methods, Eye::Left);
-    let steps = methods.first().map(|solved| figure6(eye_trace(solved, Eye::Left)));
+    let steps = methods
+        .first()
+        .map(|solved| figure6(eye_trace(solved, Eye::Left)));
     let pictures = std::iter::once(annotated(&annotation))
         .chain(close_up(&annotation, 160, 90, 10))
         .chain(steps.into_iter().flatten().map(|(_, _, picture)| picture));
-    Canvas::sheet(&[pictures.map(|picture| picture.of_height(HEIGHT_PX)).collect()])
+    Canvas::sheet(&[pictures
+        .map(|picture| picture.of_height(HEIGHT_PX))
+        .collect()])
 }
 
 pub(super) fn page(
