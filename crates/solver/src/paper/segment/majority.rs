@@ -90,12 +90,10 @@ mod tests {
                     }
                 }
                 let here = mask[(y * width + x) as usize];
-                result.push(if 2 * set > all {
-                    255
-                } else if 2 * set < all {
-                    0
-                } else {
-                    here
+                result.push(match (2 * set).cmp(&all) {
+                    core::cmp::Ordering::Less => 0,
+                    core::cmp::Ordering::Equal => here,
+                    core::cmp::Ordering::Greater => 255,
                 });
             }
         }
