@@ -191,6 +191,9 @@ pub struct EyeReport {
     pub extent_px: Option<[f64; 2]>,
     /// Fraction of the strip between the limbs that was taken for rod, in [0, 1].
     pub fill: Option<f64>,
+    /// How the light rises from each side inwards, the exponent of the distance: 0 lit from that side, ½ from the camera, 1
+    /// where the rod fades into its own shadow and the side is no limb. Null where it cannot be told.
+    pub softness: Option<[Option<f64>; 2]>,
 }
 
 /// Wall-clock times of the stages, ms; where the eyes run side by side, of the slower one.

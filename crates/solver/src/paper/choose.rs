@@ -18,6 +18,9 @@ pub(crate) struct Choice {
 /// pixel edges of a thin rod.
 const LOG_RATIO_SPREAD: f64 = 0.3;
 
+/// Nearer to the baseline than this a rod's depth is not looked at to tell rods apart: 3°.
+const OFF_BASELINE_RAD: f64 = 0.05;
+
 pub(crate) struct Chooser<'a> {
     pub rig: &'a Rig,
     pub method: Method,
@@ -69,8 +72,8 @@ impl Chooser<'_> {
         let Some(location) = locate(&setting, &[left.lines(), right.lines()]) else {
             return 0.5 * widths;
         };
-        // Depth and radius say nothing where the planes are nearly parallel; what is seen alike is alike.
-        if location.plane_angle_rad < 0.02 {
+        // Depth and radius say nothing of a rod in one plane with the baseline; what is seen alike is alike.
+        if location.off_baseline_rad < OFF_BASELINE_RAD {
             return 0.5 * widths;
         }
         let (other_eye, other) = match eye {

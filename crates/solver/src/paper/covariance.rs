@@ -29,6 +29,7 @@ impl<'a> UncertainLimbs<'a> {
     /// * a shift of both images alike, across the rod, a shift of each limb, and a tilt that moves its ends apart.
     ///
     /// What the last refinement still moved counts as tilt.
+    /// A bend shifts a limb by itself, and tilts it.
     pub(crate) fn new(limbs: [[&'a RefinedLine; 2]; 2], params: &PaperParams) -> Self {
         let mut modes = Vec::new();
         let towards = limbs[0][0].line.normal() * params.common_floor_px;
@@ -51,11 +52,32 @@ impl<'a> UncertainLimbs<'a> {
                 mode(0, params.limb_floor_px);
                 mode(1, params.tilt_floor_px / extent);
                 mode(1, limb.moved_px / extent);
+                if limb.is_bent() {
+                    // A bow of sagitta s leaves the chord by s and its ends by 4 s / extent in slope.
+                    mode(0, limb.sagitta_px.abs());
+                    mode(1, 4.0 * limb.sagitta_px.abs() / extent);
+                }
                 common[at] = limb.line.normal().dot(&towards);
             }
         }
         modes.push(common);
         Self { limbs, modes }
+    }
+
+    /// Adds a shift of each limb by what may be unseen of it, px.
+    pub(crate) fn hide(&mut self, unseen_px: [[f64; 2]; 2]) {
+        for (k, sigma) in unseen_px.into_iter().flatten().enumerate() {
+            let mut mode = [0.0; PARAMETERS];
+            mode[2 * k] = sigma;
+            self.modes.push(mode);
+        }
+    }
+
+    /// Multiplies every standard deviation.
+    pub(crate) fn widen(&mut self, factor: f64) {
+        for entry in self.modes.iter_mut().flatten() {
+            *entry *= factor;
+        }
     }
 
     /// The limbs as fitted.

@@ -25,6 +25,9 @@ pub(crate) struct Location {
     /// `point_m` is the foot of the perpendicular from the midpoint of the camera centres.
     pub axis: Line3,
     pub plane_angle_rad: f64,
+    /// Angle between the baseline and the axis planes: near 0 the rod lies in one plane with the baseline, and the two eyes see
+    /// nothing of its depth. Unlike the angle of the planes it does not scale with baseline over range.
+    pub off_baseline_rad: f64,
     /// Radius by each eye, m.
     pub radii_m: [f64; 2],
     /// Their mean, or what the radius given beforehand makes of it, m.
@@ -119,6 +122,7 @@ pub(crate) fn locate(setting: &Setting<'_>, limbs: &[[ImageLine; 2]; 2]) -> Opti
     Some(Location {
         axis,
         plane_angle_rad: libm::asin(sin.min(1.0)),
+        off_baseline_rad: off_baseline(&planes, &(centres[1] - centres[0])),
         radii_m,
         radius_m,
         seen_m,
@@ -128,6 +132,12 @@ pub(crate) fn locate(setting: &Setting<'_>, limbs: &[[ImageLine; 2]; 2]) -> Opti
             .and_then(|pick| grasp(&axis, radius_m, &pick).ok())
             .map(|(grasp_m, _)| grasp_m),
     })
+}
+
+fn off_baseline(planes: &[Plane], baseline: &Vec3) -> f64 {
+    let sine = |plane: &Plane| plane.normal.dot(baseline).abs() / baseline.norm();
+    let most = planes.iter().map(sine).fold(0.0, f64::max);
+    libm::asin(most.min(1.0))
 }
 
 /// The surface-foot point and the paper's. A ray that misses the surface a little gets the paper's for both: the former tends

@@ -8,14 +8,17 @@ mod canny;
 mod choose;
 mod covariance;
 mod eye;
+mod give;
 mod hough;
 mod locate;
 mod pair;
 mod params;
+mod quantities;
 mod refine;
 mod refusal;
 mod report;
 mod segment;
+mod softness;
 
 use std::time::Instant;
 

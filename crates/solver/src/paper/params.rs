@@ -116,10 +116,12 @@ pub struct PaperParams {
     pub max_relative_depth_sigma: f64,
     /// Refused below this angle between the two axis planes, degrees.
     pub min_plane_angle_deg: f64,
-    /// Degraded when the radii of the two eyes differ by more than this fraction of their mean (and 2 sigma).
-    pub radius_mismatch_degraded: f64,
-    /// Refused when the radii of the two eyes differ by more than this fraction of their mean (and 3 sigma).
+    /// Degraded when the radii of the two eyes, or the measured and the given one, differ by more than so many sigma.
+    pub radius_mismatch_degraded_sigmas: f64,
+    /// Refused when, beyond that, they differ by more than this fraction.
     pub radius_mismatch_refused: f64,
+    /// Refused when the radii of the two eyes differ by more than so many sigma.
+    pub radius_mismatch_refused_sigmas: f64,
     /// Degraded when the second-best rod has more than this fraction of the best one's score.
     pub runner_up_degraded: f64,
 }
@@ -160,8 +162,9 @@ impl Default for PaperParams {
             tilt_floor_px: 0.25,
             max_relative_depth_sigma: 0.05,
             min_plane_angle_deg: 0.2,
-            radius_mismatch_degraded: 0.25,
+            radius_mismatch_degraded_sigmas: 3.0,
             radius_mismatch_refused: 0.6,
+            radius_mismatch_refused_sigmas: 25.0,
             runner_up_degraded: 0.6,
         }
     }
@@ -318,7 +321,14 @@ impl PaperParams {
         not_negative("tilt_floor_px", self.tilt_floor_px)?;
         positive("max_relative_depth_sigma", self.max_relative_depth_sigma)?;
         not_negative("min_plane_angle_deg", self.min_plane_angle_deg)?;
-        positive("radius_mismatch_degraded", self.radius_mismatch_degraded)?;
+        positive(
+            "radius_mismatch_degraded_sigmas",
+            self.radius_mismatch_degraded_sigmas,
+        )?;
+        positive(
+            "radius_mismatch_refused_sigmas",
+            self.radius_mismatch_refused_sigmas,
+        )?;
         positive("radius_mismatch_refused", self.radius_mismatch_refused)?;
         unit("runner_up_degraded", self.runner_up_degraded)
     }

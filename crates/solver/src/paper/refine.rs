@@ -23,6 +23,9 @@ impl Polarity {
     }
 }
 
+/// Less bow than this is no bend, px: pixels and the drift of the threshold along a limb make as much.
+const BOW_FLOOR_PX: f64 = 0.4;
+
 /// A line refitted to the edge points of one side of something.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefinedLine {
@@ -40,6 +43,10 @@ pub struct RefinedLine {
     pub scatter_along_px2: f64,
     /// Where they begin and end along the line's direction (first and last percent left out), px from the centroid.
     pub along_px: [f64; 2],
+    /// How far its ends bow from its middle, px, positive towards the normal.
+    pub sagitta_px: f64,
+    /// Standard deviation of `sagitta_px`, px.
+    pub sagitta_sigma_px: f64,
     /// How far an end moved in this round, px: large means not settled.
     pub moved_px: f64,
     /// Indices of the coarse lines that led here.
@@ -66,6 +73,11 @@ impl RefinedLine {
     /// Root mean square distance of its points, px.
     pub fn rms_px(&self) -> f64 {
         (self.scatter_across_px2 / self.support.max(1) as f64).sqrt()
+    }
+
+    /// Whether it is bowed more than a straight limb on a stair of pixels.
+    pub fn is_bent(&self) -> bool {
+        self.sagitta_px.abs() > (3.0 * self.sagitta_sigma_px).max(BOW_FLOOR_PX)
     }
 
     /// Whether so many points, so dense and so near the line are a limb and not chance.
@@ -144,6 +156,7 @@ fn refit(
         .iter()
         .map(|p| (p - fit.centroid_px).dot(&direction))
         .collect();
+    let (sagitta_px, sagitta_sigma_px) = sagitta(near, &fit, &along);
     let mut at = |index: usize| *along.select_nth_unstable_by(index, f64::total_cmp).1;
     let cut = near.len() / 100;
     let mut line = RefinedLine {
@@ -157,6 +170,8 @@ fn refit(
         scatter_across_px2: fit.scatter_across_px2,
         scatter_along_px2: fit.scatter_along_px2,
         along_px: [at(cut), at(near.len() - 1 - cut)],
+        sagitta_px,
+        sagitta_sigma_px,
         moved_px: 0.0,
         sources: candidate.sources.clone(),
     };
@@ -166,6 +181,29 @@ fn refit(
         .map(|end| candidate.line.distance_px(end).abs())
         .fold(0.0, f64::max);
     Some(line)
+}
+
+/// The quadratic that is left beside the line, over the half length, and its standard deviation.
+fn sagitta(points: &[Pixel], fit: &LineFit, along: &[f64]) -> (f64, f64) {
+    let n = along.len() as f64;
+    let half = along.iter().fold(1.0, |most: f64, t| most.max(t.abs()));
+    let moment = |k: i32| along.iter().map(|t| (t / half).powi(k)).sum::<f64>() / n;
+    let (m2, m3) = (moment(2), moment(3));
+    // Orthogonal to a constant and to t over these very points.
+    let bow = |t: f64| (t / half) * (t / half) - m2 - m3 / m2 * (t / half);
+    let (mut qq, mut qr) = (0.0, 0.0);
+    for (point, t) in points.iter().zip(along) {
+        let q = bow(*t);
+        qq += q * q;
+        qr += q * fit.line.distance_px(point);
+    }
+    if !(qq > 0.0) {
+        return (0.0, 0.0);
+    }
+    // Neighbours on a stair do not err independently: no more of them than px of length.
+    let repeats = (n / (2.0 * half)).max(1.0);
+    let sigma = libm::sqrt(fit.scatter_across_px2 / n / qq * repeats);
+    (qr / qq, sigma)
 }
 
 /// The points whose distance (4) is below the threshold and whose gradient points to the rod's side.

@@ -39,10 +39,14 @@ pub enum Refusal {
     )]
     RadiiDisagree { left_m: f64, right_m: f64 },
     #[error(
-        "rod (nearly) parallel to the baseline: the two planes are {plane_angle_deg:.2}° apart and the depth is uncertain by {relative_percent:.0} %; move one camera or give another view"
+        "the limbs give a radius of {measured_m:.4} m, not {given_m:.4} m: another rod, or another radius"
+    )]
+    RadiusContradicted { measured_m: f64, given_m: f64 },
+    #[error(
+        "rod (nearly) parallel to the baseline, or in one plane with it: the baseline is {off_baseline_deg:.1}° off the planes of the axis and the depth is uncertain by {relative_percent:.0} %; move one camera or give another view"
     )]
     ParallelToBaseline {
-        plane_angle_deg: f64,
+        off_baseline_deg: f64,
         relative_percent: f64,
     },
     #[error(
@@ -67,6 +71,7 @@ impl Refusal {
             Self::PickUnusable { .. } => "pick_unusable",
             Self::Behind => "behind",
             Self::RadiiDisagree { .. } => "radii_disagree",
+            Self::RadiusContradicted { .. } => "radius_contradicted",
             Self::ParallelToBaseline { .. } => "parallel_to_baseline",
             Self::DepthUncertain { .. } => "depth_uncertain",
         }
