@@ -108,6 +108,11 @@ pub(crate) fn warn_of_limbs(
             1.0,
         );
         warn(
+            shading.is_strange(),
+            "something else lies along a side of the rod".to_owned(),
+            DOUBT,
+        );
+        warn(
             limbs().any(|l| l.support < 2 * params.min_support),
             "a side of the rod has few edge points".to_owned(),
             1.0,

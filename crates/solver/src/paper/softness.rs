@@ -24,6 +24,9 @@ const SOFT: f64 = 0.6;
 /// From this exponent on it is said so.
 const FADED: f64 = 0.75;
 
+/// No matt rod has an exponent above 1; blur and noise leave some room.
+const STRANGE: f64 = 1.5;
+
 /// How the light lies on the two sides of a rod.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shading {
@@ -44,6 +47,11 @@ impl Shading {
             softness,
             unseen_px,
         }
+    }
+
+    /// Whether the light rises as it does on no rod: something else lies along that side.
+    pub(crate) fn is_strange(&self) -> bool {
+        self.softness.iter().flatten().any(|p| *p > STRANGE)
     }
 
     pub(crate) fn fades(&self) -> bool {

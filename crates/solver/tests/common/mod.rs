@@ -72,6 +72,8 @@ pub struct Scene {
     pub seed: u64,
     pub channels: u8,
     pub bits: u8,
+    /// Unit vector towards a far lamp: matt rods in linear light, stored as sRGB. Absent: rods of one flat colour.
+    pub lamp: Option<Vec3>,
     /// Samples per pixel and axis on the silhouettes.
     pub samples: u32,
 }
@@ -88,6 +90,7 @@ impl Scene {
             seed: 1,
             channels: 3,
             bits: 8,
+            lamp: None,
             samples: 8,
         }
     }
@@ -97,18 +100,20 @@ impl Scene {
             .expect("images of the rig's size")
     }
 
-    /// Whether a ray of an eye meets a rod within its length.
-    fn hit(&self, eye: Eye, u: f64, v: f64) -> bool {
+    /// How bright the rod is that a ray of an eye meets first, in [0, 1]; `None` where it meets none within its length.
+    fn hit(&self, eye: Eye, u: f64, v: f64) -> Option<f64> {
         let mounted = self.rig.eye(eye);
-        let Some((origin, direction)) = mounted.ray(&Pixel::new(u, v)) else {
-            return false;
-        };
-        self.rods.iter().any(|rod| {
-            rod.intersect(&origin, &direction).is_some_and(|(near, _)| {
-                let along = (origin + direction * near - rod.axis.point_m).dot(&rod.axis.direction);
-                near > 0.0 && along.abs() <= self.half_length_m
-            })
-        })
+        let (origin, direction) = mounted.ray(&Pixel::new(u, v))?;
+        let met = self.rods.iter().filter_map(|rod| {
+            let (near, _) = rod.intersect(&origin, &direction)?;
+            let from_axis = origin + direction * near - rod.axis.point_m;
+            let along = from_axis.dot(&rod.axis.direction);
+            let normal = (from_axis - rod.axis.direction * along) / rod.radius_m;
+            let light = self.lamp.map_or(1.0, |lamp| normal.dot(&lamp).max(0.0));
+            (near > 0.0 && along.abs() <= self.half_length_m).then_some((near, light))
+        });
+        met.min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, light)| light)
     }
 
     pub fn image(&self, eye: Eye) -> Image {
@@ -117,37 +122,40 @@ impl Scene {
         // The corners of all pixels first; only pixels whose corners differ are supersampled.
         let corners: Vec<bool> = (0..=height)
             .flat_map(|y| (0..=width).map(move |x| (x, y)))
-            .map(|(x, y)| self.hit(eye, x as f64, y as f64))
+            .map(|(x, y)| self.hit(eye, x as f64, y as f64).is_some())
             .collect();
-        let mut coverage = vec![0.0; width * height];
+        // Share of a pixel that is rod, and the light of that share.
+        let mut coverage = vec![(0.0, 0.0); width * height];
         for y in 0..height {
             for x in 0..width {
                 let at = |dx: usize, dy: usize| corners[(y + dy) * (width + 1) + x + dx];
                 let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
                 coverage[y * width + x] = if four.iter().all(|c| *c == four[0]) {
-                    f64::from(u8::from(four[0]))
+                    match self.hit(eye, x as f64 + 0.5, y as f64 + 0.5) {
+                        Some(light) if four[0] => (1.0, light),
+                        _ => (f64::from(u8::from(four[0])), 0.0),
+                    }
                 } else {
                     let n = self.samples;
-                    let inside = (0..n * n)
-                        .filter(|k| {
-                            let (a, b) = (f64::from(k % n), f64::from(k / n));
-                            let step = 1.0 / f64::from(n);
-                            self.hit(
-                                eye,
-                                x as f64 + (a + 0.5) * step,
-                                y as f64 + (b + 0.5) * step,
-                            )
-                        })
-                        .count();
-                    inside as f64 / f64::from(n * n)
+                    let step = 1.0 / f64::from(n);
+                    let met = (0..n * n).filter_map(|k| {
+                        let (a, b) = (f64::from(k % n), f64::from(k / n));
+                        let (u, v) = (x as f64 + (a + 0.5) * step, y as f64 + (b + 0.5) * step);
+                        self.hit(eye, u, v)
+                    });
+                    let (count, light) = met.fold((0.0, 0.0), |(n, sum), l| (n + 1.0, sum + l));
+                    let all = f64::from(n * n);
+                    (count / all, light / all)
                 };
             }
         }
         let mut random = Random::new(self.seed ^ if eye == Eye::Left { 0 } else { 0x5555_1234 });
         let mut values = Vec::with_capacity(coverage.len() * self.channels as usize);
-        for c in coverage {
-            let colour: [f64; 3] =
-                core::array::from_fn(|k| c * self.rod_colour[k] + (1.0 - c) * self.background[k]);
+        for (c, light) in coverage {
+            let colour: [f64; 3] = core::array::from_fn(|k| {
+                let value = light * self.rod_colour[k] + (1.0 - c) * self.background[k];
+                self.lamp.map_or(value, |_| encode(value))
+            });
             let grey = 0.25 * (colour[0] + 2.0 * colour[1] + colour[2]);
             let painted: &[f64] = if self.channels == 3 { &colour } else { &[grey] };
             for value in painted {
@@ -166,6 +174,15 @@ impl Scene {
         };
         Image::new(i.width_px, i.height_px, self.channels, samples)
             .expect("as many samples as pixels")
+    }
+}
+
+/// Linear light to sRGB (IEC 61966-2-1).
+fn encode(light: f64) -> f64 {
+    if light <= 0.0031308 {
+        12.92 * light
+    } else {
+        1.055 * libm::pow(light, 1.0 / 2.4) - 0.055
     }
 }
 

@@ -10,6 +10,8 @@ use crate::paper::{HueWindow, PaperParams, Refusal, SegmentationMode};
 
 /// Looking at more pixels than this teaches nothing new.
 const SAMPLE_LIMIT: usize = 40_000;
+/// A hue window that holds so much of the rim is held against luminance.
+const CROWDED_RIM: f64 = 0.2;
 /// Below this saturation the hue of an 8-bit image is mostly noise.
 const COLOURLESS: f32 = 0.06;
 
@@ -45,10 +47,43 @@ pub fn learn(
         None => picture_window(image, roi, &rim, params).map(|w| (w, HueSource::Picture)),
     };
     match (learned, params.segmentation) {
+        (Some((window, source)), SegmentationMode::Auto) => {
+            let rule = Rule::Hue { window, source };
+            let Some(pick) = pick else { return Ok(rule) };
+            let rim = rim_pixels(roi, params.learn_rim_px);
+            let disc = disc_pixels(image, pick, params.learn_radius_px);
+            // A window that holds much of the rim may still be the best there is.
+            let by_hue = separation(image, &rule, &disc, &rim);
+            let other = otsu(image, roi, Some(pick), params, None);
+            let by_luminance = separation(image, &other, &disc, &rim);
+            let crowded = by_hue < 1.0 - CROWDED_RIM && by_luminance > by_hue;
+            Ok(if crowded { other } else { rule })
+        }
         (Some((window, source)), _) => Ok(Rule::Hue { window, source }),
         (None, SegmentationMode::Auto) => Ok(otsu(image, roi, pick, params, None)),
         (None, _) => Err(refuse("the hues of rod and background overlap")),
     }
+}
+
+/// How much more of `rod` than of `background` a rule takes for rod, in [−1, 1].
+fn separation(image: &Image, rule: &Rule, rod: &[[u32; 2]], background: &[[u32; 2]]) -> f64 {
+    let share = |pixels: &[[u32; 2]]| {
+        let inside = match rule {
+            Rule::Hue { window, .. } => hsv_of(image, pixels)
+                .iter()
+                .filter(|p| window_holds(window, p))
+                .count(),
+            Rule::Luminance {
+                threshold,
+                rod_is_bright,
+            } => luminance_of(image, pixels)
+                .iter()
+                .filter(|v| (f64::from(**v) > *threshold) == *rod_is_bright)
+                .count(),
+        };
+        inside as f64 / pixels.len().max(1) as f64
+    };
+    share(rod) - share(background)
 }
 
 /// The rule for the other eye: the same hues; for luminance its own threshold but the same side of it.
