@@ -162,12 +162,13 @@ fn fill(
     });
 
     let (_, middle) = chooser.looked_at(left).ok_or(Refusal::Behind)?;
-    let setting = Setting {
+    let mut setting = Setting {
         rig,
         method,
         pick: None,
         middle,
         radius: None,
+        by_radius: None,
     };
     let taper = |estimate: &mut Estimate| {
         // The paper knows no taper: only the bisector's tangent planes give a direction without a second view.
@@ -189,34 +190,48 @@ fn fill(
             }
         }
     };
-    let Some(location) = locate(&setting, &lines) else {
-        taper(estimate);
-        return Err(unobservable(0.0, f64::INFINITY));
-    };
     let between =
         0.5 * (rig.left.rig_from_camera.origin_m() + rig.right.rig_from_camera.origin_m());
-    let depth_m = (location.seen_m - between).norm();
-    let o = &mut estimate.observability;
-    o.plane_angle_rad = Some(location.plane_angle_rad);
-    let to_baseline = angle_between(&location.axis.direction, &rig.baseline());
-    o.baseline_angle_rad = Some(to_baseline.min(core::f64::consts::PI - to_baseline));
-
     // Whether the depth is known at all comes before anything that is derived from it.
-    let covariance = covariance_of(
-        &uncertain,
-        &setting,
-        &location,
-        &between,
-        Some(&mut o.warnings),
-    );
-    let depth_sigma = covariance.map_or(f64::INFINITY, |c| c[DEPTH][DEPTH].sqrt());
-    let relative = depth_sigma / depth_m;
-    o.depth_sigma_m = depth_sigma.is_finite().then_some(depth_sigma);
-    let narrow = location.plane_angle_rad < radians(params.min_plane_angle_deg);
-    if !(relative <= params.max_relative_depth_sigma) || narrow {
-        taper(estimate);
-        return Err(unobservable(location.off_baseline_rad, relative));
+    let place = |setting: &Setting<'_>, warnings: Option<&mut Vec<String>>| {
+        let location = locate(setting, &lines)?;
+        let depth_m = (location.seen_m - between).norm();
+        let covariance = covariance_of(&uncertain, setting, &location, &between, warnings);
+        let depth_sigma = covariance.map_or(f64::INFINITY, |c| c[DEPTH][DEPTH].sqrt());
+        let narrow = setting.by_radius.is_none()
+            && location.plane_angle_rad < radians(params.min_plane_angle_deg);
+        let known = depth_sigma <= params.max_relative_depth_sigma * depth_m && !narrow;
+        Some((location, depth_m, depth_sigma, known))
+    };
+    let o = &mut estimate.observability;
+    let by_planes = place(&setting, Some(&mut o.warnings));
+    if let Some((location, _, depth_sigma, _)) = &by_planes {
+        o.plane_angle_rad = Some(location.plane_angle_rad);
+        o.depth_sigma_m = depth_sigma.is_finite().then_some(*depth_sigma);
     }
+    let mut placed = by_planes.filter(|(.., known)| *known);
+    if let (None, Method::PaperBisector, Some(prior)) = (&placed, method, &request.radius) {
+        setting.by_radius = Some((prior.radius_m, prior.sigma_m.unwrap_or(0.0)));
+        placed = place(&setting, None).filter(|(.., known)| *known);
+        o.warnings.extend(placed.map(|_| {
+            "the two eyes do not see the depth of a rod that lies so: it follows from the given radius"
+                .to_owned()
+        }));
+    }
+    let found = placed.or(by_planes);
+    o.baseline_angle_rad = found.map(|(location, ..)| {
+        let angle = angle_between(&location.axis.direction, &rig.baseline());
+        angle.min(core::f64::consts::PI - angle)
+    });
+    let Some((location, depth_m, ..)) = placed else {
+        taper(estimate);
+        return Err(by_planes.map_or_else(
+            || unobservable(0.0, f64::INFINITY),
+            |(location, depth_m, sigma, _)| {
+                unobservable(location.off_baseline_rad, sigma / depth_m)
+            },
+        ));
+    };
     let seen_by_right = rig.right.rig_from_camera.inverse().point(&location.seen_m);
     let seen_by_left = rig.left.rig_from_camera.inverse().point(&location.seen_m);
     if location.seen_along_m <= 0.0 || seen_by_right.z <= 0.0 || seen_by_left.z <= 0.0 {
@@ -229,7 +244,14 @@ fn fill(
     uncertain.hide(unseen_px);
     let covariance =
         covariance_of(&uncertain, &setting, &location, &between, None).ok_or(Refusal::Behind)?;
-    let (widening, prior) = check_radius(o, request.radius, &location, &covariance, doubt, params)?;
+    let (widening, prior) = check_radius(
+        o,
+        (request.radius, setting.by_radius.is_some()),
+        &location,
+        &covariance,
+        doubt,
+        params,
+    )?;
     uncertain.widen(widening);
     let found = Found {
         setting: Setting {

@@ -67,6 +67,7 @@ impl Chooser<'_> {
             pick: None,
             middle,
             radius: None,
+            by_radius: None,
         };
         let widths = agreement(left.width_px, right.width_px);
         let Some(location) = locate(&setting, &[left.lines(), right.lines()]) else {

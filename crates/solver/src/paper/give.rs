@@ -14,7 +14,7 @@ use crate::{AxisEstimate, Estimate, GraspEstimate, Observability, RadiusPrior};
 /// standard deviations of the limbs are to be taken, at least `doubt`, and the given radius if it does not contradict.
 pub(crate) fn check_radius(
     o: &mut Observability,
-    prior: Option<RadiusPrior>,
+    (prior, placed_by_it): (Option<RadiusPrior>, bool),
     location: &Location,
     covariance: &Covariance,
     doubt: f64,
@@ -38,7 +38,8 @@ pub(crate) fn check_radius(
         ));
         widening = widening.max(sigmas);
     }
-    let Some(given) = prior else {
+    // A radius that placed the axis has been used, and agrees with itself.
+    let Some(given) = prior.filter(|_| !placed_by_it) else {
         return Ok((widening, None));
     };
     let measured_sigma = widening * libm::sqrt(covariance[RADIUS][RADIUS]);

@@ -1,7 +1,8 @@
 //! From the four limbs to the rod in space, eqs (10)–(31), in closed form.
 
 use rodsight_geometry::{
-    Camera, Cylinder, Eye, GraspError, ImageLine, Line3, PaperGrasp, Plane, Rig, Vec3, surface_foot,
+    Camera, Cylinder, Eye, GraspError, ImageLine, Line3, PaperGrasp, Pixel, Plane, Rig, Side,
+    TangentPair, TangentPlane, Vec3, surface_foot,
 };
 
 use crate::Method;
@@ -17,6 +18,8 @@ pub(crate) struct Setting<'a> {
     pub middle: (Vec3, Vec3),
     /// Radius given beforehand and its weight against the limbs', in [0, 1].
     pub radius: Option<(f64, f64)>,
+    /// Radius and its standard deviation, m, by which the axis is placed where the planes alone do not.
+    pub by_radius: Option<(f64, f64)>,
 }
 
 /// The rod by the limbs alone.
@@ -106,7 +109,10 @@ pub(crate) fn locate(setting: &Setting<'_>, limbs: &[[ImageLine; 2]; 2]) -> Opti
     }
     let centres = Eye::BOTH.map(|eye| rig.eye(eye).rig_from_camera.origin_m());
     let between = 0.5 * (centres[0] + centres[1]);
-    let axis = Line3::from_planes(&planes[0], &planes[1], &centres[0]).ok()?;
+    let axis = match setting.by_radius {
+        None => Line3::from_planes(&planes[0], &planes[1], &centres[0]).ok()?,
+        Some((radius_m, _)) => axis_by_radius(setting, limbs, radius_m)?,
+    };
     let axis = Line3 {
         point_m: axis.foot(&between),
         ..axis
@@ -132,6 +138,39 @@ pub(crate) fn locate(setting: &Setting<'_>, limbs: &[[ImageLine; 2]; 2]) -> Opti
             .and_then(|pick| grasp(&axis, radius_m, &pick).ok())
             .map(|(grasp_m, _)| grasp_m),
     })
+}
+
+/// The axis of the cylinder of known radius that touches all four tangent planes best.
+fn axis_by_radius(
+    setting: &Setting<'_>,
+    limbs: &[[ImageLine; 2]; 2],
+    radius_m: f64,
+) -> Option<Line3> {
+    let mut planes = Vec::with_capacity(4);
+    for (eye, pair) in Eye::BOTH.into_iter().zip(limbs) {
+        let mounted = setting.rig.eye(eye);
+        let camera = mounted.camera.without_distortion();
+        let [a, b] = tangent_normals(&camera, pair);
+        // Any point of the centre line shows on which side the rod is.
+        let line = camera.image_line(&(a + b))?;
+        let i = camera.intrinsics();
+        let centre = Pixel::new(i.cx_px, i.cy_px);
+        let seen = camera.ray(&(centre - line.normal() * line.distance_px(&centre)))?;
+        let view = TangentPair::one_view(&a, &b, &seen)?;
+        let sides = match view.first_side {
+            Side::Plus => [Side::Plus, Side::Minus],
+            Side::Minus => [Side::Minus, Side::Plus],
+        };
+        for (normal, side) in view.normals.iter().zip(sides) {
+            planes.push(TangentPlane {
+                normal: mounted.rig_from_camera.direction(normal),
+                centre_m: mounted.rig_from_camera.origin_m(),
+                side,
+            });
+        }
+    }
+    let fit = Cylinder::from_tangent_planes(&planes, Some(radius_m)).ok()?;
+    Some(fit.cylinder.axis)
 }
 
 fn off_baseline(planes: &[Plane], baseline: &Vec3) -> f64 {

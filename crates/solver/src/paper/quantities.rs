@@ -36,7 +36,30 @@ pub(crate) fn covariance_of(
             warnings,
         );
     }
+    if let Some((radius_m, sigma_m)) = setting.by_radius.filter(|(_, sigma)| *sigma > 0.0) {
+        let step = sigma_m.min(0.01 * radius_m);
+        let at = |radius_m: f64| {
+            let setting = Setting {
+                by_radius: Some((radius_m, 0.0)),
+                ..*setting
+            };
+            let location = locate(&setting, &uncertain.lines())?;
+            quantities(&location, nominal, between)
+        };
+        let (more, less) = (at(radius_m + step)?, at(radius_m - step)?);
+        let mode: [f64; QUANTITIES] =
+            core::array::from_fn(|i| (more[i] - less[i]) * (0.5 * sigma_m / step));
+        add_mode(&mut covariance, &mode);
+    }
     Some(covariance)
+}
+
+fn add_mode(covariance: &mut Covariance, mode: &[f64; QUANTITIES]) {
+    for (row, a) in covariance.iter_mut().zip(mode) {
+        for (entry, b) in row.iter_mut().zip(mode) {
+            *entry += a * b;
+        }
+    }
 }
 
 fn quantities(l: &Location, nominal: &Location, between: &Vec3) -> Option<[f64; QUANTITIES]> {
@@ -92,9 +115,5 @@ fn add_averaging_bias(
             Method::PaperBisector
         ));
     }
-    for (row, a) in covariance.iter_mut().zip(&bias) {
-        for (entry, b) in row.iter_mut().zip(&bias) {
-            *entry += a * b;
-        }
-    }
+    add_mode(covariance, &bias);
 }

@@ -272,6 +272,24 @@ mod tests {
             .collect()
     }
 
+    #[test]
+    fn a_bow_is_measured() {
+        for (bow, bent) in [(0.0, false), (1.5, true), (-1.5, true)] {
+            let points: Vec<Pixel> = (-100..=100)
+                .map(f64::from)
+                .map(|t| Pixel::new(t, 50.0 + bow * (t / 100.0) * (t / 100.0)))
+                .collect();
+            let fit = LineFit::of(&points).unwrap();
+            let along: Vec<f64> = points
+                .iter()
+                .map(|p| (p - fit.centroid_px).dot(&fit.line.direction()))
+                .collect();
+            let (sagitta_px, sigma_px) = sagitta(&points, &fit, &along);
+            assert!((sagitta_px.abs() - bow.abs()).abs() < 1e-6, "{sagitta_px}");
+            assert_eq!(sagitta_px.abs() > (3.0 * sigma_px).max(BOW_FLOOR_PX), bent);
+        }
+    }
+
     fn voted(rho_px: f64, theta_deg: f64) -> VotedLine {
         VotedLine {
             line: ImageLine::new(rho_px, radians(theta_deg)),

@@ -43,7 +43,7 @@ pub enum Refusal {
     )]
     RadiusContradicted { measured_m: f64, given_m: f64 },
     #[error(
-        "rod (nearly) parallel to the baseline, or in one plane with it: the baseline is {off_baseline_deg:.1}° off the planes of the axis and the depth is uncertain by {relative_percent:.0} %; move one camera or give another view"
+        "rod (nearly) parallel to the baseline, or in one plane with it: the baseline is {off_baseline_deg:.1}° off the planes of the axis and the depth is uncertain by {relative_percent:.0} %; give the radius (paper-bisector), move one camera or add a view"
     )]
     ParallelToBaseline {
         off_baseline_deg: f64,
