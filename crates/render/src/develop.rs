@@ -20,6 +20,16 @@ pub struct Developed {
     pub gain: f64,
 }
 
+impl Developed {
+    /// The image of an eye.
+    pub fn eye(&self, eye: Eye) -> &Image {
+        match eye {
+            Eye::Left => &self.left,
+            Eye::Right => &self.right,
+        }
+    }
+}
+
 /// What random numbers are for; part of the counter, so that no two uses share one.
 #[derive(Clone, Copy)]
 enum Purpose {

@@ -9,7 +9,7 @@ use exr::prelude::{
 
 use crate::RenderError;
 use crate::frame::{EyeFrame, PixelTruth};
-use crate::write::{io, write_whole};
+use crate::whole_file::{io, write_whole};
 
 /// Suffixes of the channels of a triple.
 const BANDS: [&str; 3] = ["R", "G", "B"];

@@ -11,21 +11,25 @@ mod cpu;
 mod develop;
 mod exr_file;
 mod frame;
+mod image_file;
 mod lattice;
 mod noise;
+mod pair;
 mod srgb;
 mod truth;
-mod write;
+mod whole_file;
 
 pub use cpu::CpuRenderer;
 pub use develop::{Developed, develop};
 pub use exr_file::read_exr;
 pub use frame::{EyeFrame, Frame, PixelTruth};
+pub use image_file::{read_image, write_image};
 pub use lattice::edge_offsets;
 pub use noise::Philox;
+pub use pair::{PairPaths, write_pair};
 pub use srgb::{srgb_decode, srgb_encode};
 pub use truth::{ConeTruth, EyeTruth, GraspTruth, LineTruth, RodTruth, Truth, WaterTruth};
-pub use write::{PairPaths, discard_unfinished, read_image, write_image, write_pair, write_whole};
+pub use whole_file::{discard_unfinished, write_whole};
 
 use rodsight_scene::Scene;
 
