@@ -4,6 +4,8 @@
 //! What tells them apart is how the light rises from the edge inwards, `I ∝ x^p` in linear light: p ≈ 0 where the lamp is on
 //! that side, ½ where it is behind the camera (the cosine of a cylinder), 1 at the shadow's edge.
 
+use std::sync::LazyLock;
+
 use rodsight_geometry::{Camera, Image, Pixel, Samples, radians};
 
 use super::{RefinedLine, Strip};
@@ -200,16 +202,20 @@ fn light_at(image: &Image, camera: &Camera, point: &Pixel) -> Option<[f64; 3]> {
     let channels = image.channels() as usize;
     let sample = |dx: usize, dy: usize, c: usize| {
         let at = ((y as usize + dy) * width + x as usize + dx) * channels + c.min(channels - 1);
-        decode(match image.samples() {
-            Samples::U8(samples) => f64::from(samples[at]) / 255.0,
-            Samples::U16(samples) => f64::from(samples[at]) / 65535.0,
-        })
+        match image.samples() {
+            Samples::U8(samples) => DECODED[usize::from(samples[at])],
+            Samples::U16(samples) => decode(f64::from(samples[at]) / 65535.0),
+        }
     };
     Some([0, 1, 2].map(|c| {
         (1.0 - fy) * ((1.0 - fx) * sample(0, 0, c) + fx * sample(1, 0, c))
             + fy * ((1.0 - fx) * sample(0, 1, c) + fx * sample(1, 1, c))
     }))
 }
+
+/// Linear light of every 8-bit value.
+static DECODED: LazyLock<[f64; 256]> =
+    LazyLock::new(|| core::array::from_fn(|value| decode(value as f64 / 255.0)));
 
 /// sRGB to linear light (IEC 61966-2-1).
 fn decode(value: f64) -> f64 {
