@@ -18,6 +18,11 @@ pub fn majority(mask: &[u8], roi: &Roi, radius_px: u32) -> Vec<u8> {
     for y in 0..radius.min(height) {
         add(&mut columns[radius..radius + width], row(y));
     }
+    // Columns whose window the border of the region cuts off.
+    let (left, right) = (
+        radius.min(width),
+        width.saturating_sub(radius).max(radius.min(width)),
+    );
     for (y, out) in result.chunks_exact_mut(width).enumerate() {
         if y + radius < height {
             add(&mut columns[radius..radius + width], row(y + radius));
@@ -25,30 +30,33 @@ pub fn majority(mask: &[u8], roi: &Roi, radius_px: u32) -> Vec<u8> {
         if y > radius {
             subtract(&mut columns[radius..radius + width], row(y - radius - 1));
         }
-        sums.fill(0);
-        for shift in 0..=2 * radius {
+        sums.copy_from_slice(&columns[..width]);
+        for shift in 1..=2 * radius {
             for (sum, column) in sums.iter_mut().zip(&columns[shift..shift + width]) {
                 *sum += column;
             }
         }
         let rows_in_reach = (y + radius + 1).min(height) - y.saturating_sub(radius);
-        let whole = 2 * radius + 1;
-        for (x, ((out, &sum), &here)) in out.iter_mut().zip(&sums).zip(row(y)).enumerate() {
-            let in_reach = if x >= radius && x + radius < width {
-                whole
-            } else {
-                (x + radius + 1).min(width) - x.saturating_sub(radius)
-            };
-            let twice = 2 * usize::from(sum);
-            let area = rows_in_reach * in_reach;
-            *out = match twice.cmp(&area) {
-                core::cmp::Ordering::Less => 0,
-                core::cmp::Ordering::Equal => here,
-                core::cmp::Ordering::Greater => 255,
-            };
+        let here = row(y);
+        // Away from the border the area is the same for all: a loop without branches.
+        let area = (rows_in_reach * (2 * radius + 1)) as u16;
+        let inside = sums[left..right].iter().zip(&here[left..right]);
+        for (out, (&sum, &here)) in out[left..right].iter_mut().zip(inside) {
+            *out = decide(sum, area, here);
+        }
+        for x in (0..left).chain(right..width) {
+            let in_reach = (x + radius + 1).min(width) - x.saturating_sub(radius);
+            out[x] = decide(sums[x], (rows_in_reach * in_reach) as u16, here[x]);
         }
     }
     result
+}
+
+/// The majority of `area` pixels of which `sum` are set; a tie keeps the pixel.
+fn decide(sum: u16, area: u16, here: u8) -> u8 {
+    let more = u8::from(2 * sum > area).wrapping_neg();
+    let tie = u8::from(2 * sum == area).wrapping_neg();
+    more | (tie & here)
 }
 
 fn add(columns: &mut [u16], row: &[u8]) {
