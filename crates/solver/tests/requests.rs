@@ -1,37 +1,13 @@
 //! Malformed requests, and regions that must not matter.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 mod common;
 
-use common::{Scene, pick_at, rig, rod, small_rig};
+use common::{Scene, bisector, offset_m, pick_at, rig, rod, scene, truth};
 use proptest::prelude::*;
-use rodsight_geometry::{Cylinder, Eye, Line3, Pixel, Vec3};
+use rodsight_geometry::{Eye, Pixel, Vec3};
 use rodsight_solver::{
     Estimate, Method, PaperParams, Pick, RadiusPrior, Request, Roi, SolveError, Status, solve,
 };
-
-fn truth() -> Cylinder {
-    rod([1.5, 0.05, 0.0], [0.3, 0.3, 1.0], 0.05)
-}
-
-fn scene() -> Scene {
-    Scene::new(&small_rig(), vec![truth()])
-}
-
-fn bisector(request: &Request<'_>) -> Estimate {
-    solve(request, Method::PaperBisector, &PaperParams::default()).unwrap()
-}
-
-/// Distance of the estimated axis to the true reference point, m.
-fn offset_m(estimate: &Estimate, truth: &Cylinder) -> f64 {
-    let axis = estimate.axis.unwrap();
-    Line3::new(
-        axis.point_m.unwrap().into(),
-        &axis.direction.unwrap().into(),
-    )
-    .distance_m(&truth.axis.point_m)
-}
 
 #[test]
 fn malformed_requests_are_errors_that_name_the_fault() {

@@ -4,45 +4,11 @@
 
 mod common;
 
-use common::{Scene, pick_at, rod, small_rig};
-use rodsight_geometry::{Cylinder, Eye, Image, Line3, Pixel, Samples, StereoPair};
+use common::{Scene, bisector, offset_m, pick_at, refused, rod, scene, small_rig, truth};
+use rodsight_geometry::{Eye, Image, Pixel, Samples, StereoPair};
 use rodsight_solver::{
     Estimate, Method, PaperParams, Pick, Request, SegmentationMode, Status, solve, solve_traced,
 };
-
-fn truth() -> Cylinder {
-    rod([1.5, 0.05, 0.0], [0.3, 0.3, 1.0], 0.05)
-}
-
-fn scene() -> Scene {
-    Scene::new(&small_rig(), vec![truth()])
-}
-
-fn bisector(request: &Request<'_>) -> Estimate {
-    solve(request, Method::PaperBisector, &PaperParams::default()).unwrap()
-}
-
-/// Distance of the estimated axis to the true reference point, m.
-fn offset_m(estimate: &Estimate, truth: &Cylinder) -> f64 {
-    let axis = estimate.axis.unwrap();
-    Line3::new(
-        axis.point_m.unwrap().into(),
-        &axis.direction.unwrap().into(),
-    )
-    .distance_m(&truth.axis.point_m)
-}
-
-fn refused(estimate: &Estimate, code: &str) {
-    assert_eq!(estimate.status, Status::Refused, "{estimate:?}");
-    assert_eq!(
-        estimate.observability.refusal.as_deref(),
-        Some(code),
-        "{:?}",
-        estimate.reason
-    );
-    assert!(estimate.axis.is_none_or(|a| a.point_m.is_none()) || code == "pick_off_rod");
-    assert!(estimate.grasp.is_none());
-}
 
 #[test]
 fn depths_bits_and_colours() {

@@ -1,10 +1,17 @@
 //! A renderer of its own, so that the solver is not tested against the code it will be used with: the projection of a long
 //! cylinder is the wedge between its two tangent planes, painted by supersampling.
-#![allow(dead_code, unreachable_pub, reason = "each test file uses a part")]
+#![allow(
+    dead_code,
+    unreachable_pub,
+    clippy::unwrap_used,
+    reason = "each test file uses a part"
+)]
 #![allow(
     clippy::allow_attributes,
     reason = "`expect` cannot say `in some of the files`"
 )]
+
+use rodsight_solver::{Estimate, Method, PaperParams, Request, Status, solve};
 
 use rodsight_geometry::{
     Camera, CameraFrame, Cylinder, Distortion, Eye, Image, Intrinsics, Line3, Mat3, MountedCamera,
@@ -221,4 +228,40 @@ pub fn pick_at(rig: &Rig, eye: Eye, point_m: &Vec3) -> rodsight_solver::Pick {
             .expect("in front of the camera"),
         eye,
     }
+}
+
+/// The rod of the small scene.
+pub fn truth() -> Cylinder {
+    rod([1.5, 0.05, 0.0], [0.3, 0.3, 1.0], 0.05)
+}
+
+/// One rod before the small rig.
+pub fn scene() -> Scene {
+    Scene::new(&small_rig(), vec![truth()])
+}
+
+pub fn bisector(request: &Request<'_>) -> Estimate {
+    solve(request, Method::PaperBisector, &PaperParams::default()).unwrap()
+}
+
+/// Distance of the estimated axis to the true reference point, m.
+pub fn offset_m(estimate: &Estimate, truth: &Cylinder) -> f64 {
+    let axis = estimate.axis.unwrap();
+    Line3::new(
+        axis.point_m.unwrap().into(),
+        &axis.direction.unwrap().into(),
+    )
+    .distance_m(&truth.axis.point_m)
+}
+
+pub fn refused(estimate: &Estimate, code: &str) {
+    assert_eq!(estimate.status, Status::Refused, "{estimate:?}");
+    assert_eq!(
+        estimate.observability.refusal.as_deref(),
+        Some(code),
+        "{:?}",
+        estimate.reason
+    );
+    assert!(estimate.axis.is_none_or(|a| a.point_m.is_none()) || code == "pick_off_rod");
+    assert!(estimate.grasp.is_none());
 }
