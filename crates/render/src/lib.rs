@@ -7,6 +7,7 @@
 //! Every sample is a camera ray; rods are analytic capped cylinders, never tessellated, so that a label and its image agree to
 //! the last hundredth of a pixel. The only backend in this version is [`CpuRenderer`], `f64`, the reference for all others.
 
+mod bvh;
 mod cpu;
 mod develop;
 mod exr_file;

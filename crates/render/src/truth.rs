@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::cpu::arc::Arc;
-use crate::cpu::rod::RodSolid;
+use crate::cpu::rod::Rods;
 use crate::cpu::solid::Ray;
 use crate::cpu::world::World;
 use crate::frame::Frame;
@@ -195,7 +195,7 @@ fn grasp_truth(scene: &Scene) -> Option<GraspTruth> {
     let paper = PaperGrasp::new(&wanted, &origin_m, &direction);
     let paper_point_m = paper.map_or(wanted.point_m, |paper| paper.point_m);
     // The finite rod: near an end the ray may meet the cap.
-    let hit = RodSolid::new(rod).hit(&Ray {
+    let (_, hit) = Rods::new(core::slice::from_ref(rod)).hit(&Ray {
         origin_m,
         direction,
     })?;

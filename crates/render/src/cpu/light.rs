@@ -105,9 +105,7 @@ impl World<'_> {
             direction: *direction,
         };
         let reach = distance_m * (1.0 - SHADOW_GAP) - SHADOW_GAP;
-        self.rods
-            .iter()
-            .any(|rod| rod.hit(&ray).is_some_and(|hit| hit.t_m < reach))
+        self.rods.block(&ray, reach)
     }
 
     /// Light the water scatters into a ray of the given length (infinite where there is no surface): single scattering of every

@@ -1,19 +1,19 @@
-//! Rods as things a ray can hit: a capped cylinder, or a chain of them along an arc.
+//! Rods as things a ray can hit: capped cylinders, or chains of them along arcs.
 
 use rodsight_geometry::Vec3;
 use rodsight_scene::Rod;
 
 use super::arc::Arc;
 use super::solid::{Capped, Face, Ray, SolidHit};
+use crate::bvh::{Bounds, Bvh};
 
-/// A rod ready to be hit.
+/// A rod as straight pieces.
 #[derive(Clone, Debug)]
 pub(crate) struct RodSolid {
     pub(crate) arc: Arc,
+    /// One piece, or a chain along the arc.
     segments: Vec<Capped>,
-    /// Bounding spheres of the implicit binary tree over `segments`: node i covers what its children 2i+1 and 2i+2 cover.
-    bounds: Vec<(Vec3, f64)>,
-    /// A few straight pieces that stand for the rod where only its shadow in the water is asked for.
+    /// A few pieces that stand for the rod where only its shadow in the water is asked for.
     pub(crate) silhouette: Vec<Capped>,
 }
 
@@ -21,7 +21,7 @@ pub(crate) struct RodSolid {
 const CHAIN_ERROR_M: f64 = 2e-6;
 
 impl RodSolid {
-    pub(crate) fn new(rod: &Rod) -> Self {
+    fn new(rod: &Rod) -> Self {
         let arc = Arc::of(rod);
         let count = if arc.curvature_per_m == 0.0 {
             1
@@ -30,84 +30,11 @@ impl RodSolid {
             let chord_m = libm::sqrt(16.0 * CHAIN_ERROR_M / arc.curvature_per_m);
             libm::ceil(rod.length_m / chord_m).max(1.0) as usize
         };
-        let segments = chain(&arc, rod, count);
-        let silhouette = chain(&arc, rod, count.min(12));
-        let leaves = segments.len().next_power_of_two();
-        let mut bounds = vec![(Vec3::zeros(), -1.0); 2 * leaves - 1];
-        for (i, segment) in segments.iter().enumerate() {
-            let radius = libm::hypot(segment.half_length_m, segment.cylinder.radius_m);
-            bounds[leaves - 1 + i] = (segment.cylinder.axis.point_m, radius);
-        }
-        for node in (0..leaves - 1).rev() {
-            let ((a, ra), (b, rb)) = (bounds[2 * node + 1], bounds[2 * node + 2]);
-            let centre = if rb < 0.0 { a } else { (a + b) / 2.0 };
-            let radius = if rb < 0.0 {
-                ra
-            } else {
-                ((a - centre).norm() + ra).max((b - centre).norm() + rb)
-            };
-            bounds[node] = (centre, radius);
-        }
         Self {
             arc,
-            segments,
-            bounds,
-            silhouette,
+            segments: chain(&arc, rod, count),
+            silhouette: chain(&arc, rod, count.min(12)),
         }
-    }
-
-    /// Visits every segment whose bounding sphere, grown by `margin` times its distance, the ray meets.
-    fn visit(&self, ray: &Ray, margin_rad: f64, mut segment: impl FnMut(usize, &Capped)) {
-        let leaves = self.bounds.len().div_ceil(2);
-        let mut stack = [0_usize; 64];
-        let mut depth = 1;
-        while depth > 0 {
-            depth -= 1;
-            let node = stack[depth];
-            let (centre, radius) = self.bounds[node];
-            let w = centre - ray.origin_m;
-            let along = w.dot(&ray.direction);
-            let reach = radius + margin_rad * along.max(0.0);
-            if radius < 0.0 || along < -reach || w.norm_squared() - along * along > reach * reach {
-                continue;
-            }
-            if node + 1 >= leaves {
-                let index = node + 1 - leaves;
-                segment(index, &self.segments[index]);
-            } else {
-                stack[depth] = 2 * node + 2;
-                stack[depth + 1] = 2 * node + 1;
-                depth += 2;
-            }
-        }
-    }
-
-    /// The first point of the rod on the ray.
-    pub(crate) fn hit(&self, ray: &Ray) -> Option<SolidHit> {
-        if let [only] = self.segments.as_slice() {
-            return only.hit(ray);
-        }
-        let mut first: Option<(usize, SolidHit)> = None;
-        self.visit(ray, 0.0, |index, segment| {
-            if let Some(hit) = segment.hit(ray)
-                && first.is_none_or(|(_, f)| hit.t_m < f.t_m)
-            {
-                first = Some((index, hit));
-            }
-        });
-        first.map(|(index, hit)| {
-            if hit.face == Face::Cap && self.is_end(index, &hit.normal) {
-                return hit;
-            }
-            // Seams between segments must not show: the normal is that of the arc.
-            let point = ray.at(hit.t_m);
-            let axis = self.arc.at(self.arc.parameter_of(&point));
-            SolidHit {
-                normal: (point - axis.point_m).normalize(),
-                face: Face::Side,
-                ..hit
-            }
-        })
     }
 
     /// Whether the cap of a segment with this normal is an end of the rod, not a seam.
@@ -116,14 +43,93 @@ impl RodSolid {
         (index == 0 && outwards < 0.0) || (index + 1 == self.segments.len() && outwards > 0.0)
     }
 
-    /// Whether a limb of the rod passes within `footprint_rad` of the ray.
-    pub(crate) fn grazes(&self, ray: &Ray, footprint_rad: f64) -> bool {
-        if let [only] = self.segments.as_slice() {
-            return only.grazes(ray, footprint_rad);
+    /// The hit on a segment as one on the rod: seams must not show, so the normal is that of the arc.
+    fn seamless(&self, index: usize, hit: SolidHit, ray: &Ray) -> SolidHit {
+        if self.segments.len() == 1 || (hit.face == Face::Cap && self.is_end(index, &hit.normal)) {
+            return hit;
         }
+        let point = ray.at(hit.t_m);
+        let axis = self.arc.at(self.arc.parameter_of(&point));
+        SolidHit {
+            normal: (point - axis.point_m).normalize(),
+            face: Face::Side,
+            ..hit
+        }
+    }
+}
+
+/// All rods of a scene, ready to be hit.
+#[derive(Clone, Debug)]
+pub(crate) struct Rods {
+    pub(crate) solids: Vec<RodSolid>,
+    /// Every segment of every rod, as (rod, segment).
+    pieces: Vec<(usize, usize)>,
+    tree: Bvh,
+}
+
+impl Rods {
+    pub(crate) fn new(rods: &[Rod]) -> Self {
+        let solids: Vec<RodSolid> = rods.iter().map(RodSolid::new).collect();
+        let pieces: Vec<(usize, usize)> = solids
+            .iter()
+            .enumerate()
+            .flat_map(|(rod, solid)| (0..solid.segments.len()).map(move |segment| (rod, segment)))
+            .collect();
+        let boxes: Vec<Bounds> = pieces
+            .iter()
+            .map(|&(rod, segment)| solids[rod].segments[segment].bounds())
+            .collect();
+        Self {
+            solids,
+            pieces,
+            tree: Bvh::new(&boxes),
+        }
+    }
+
+    /// The first point of any rod on the ray, and which.
+    #[inline]
+    pub(crate) fn hit(&self, ray: &Ray) -> Option<(usize, SolidHit)> {
+        let mut first: Option<(usize, SolidHit)> = None;
+        self.tree.visit(ray, 0.0, f64::INFINITY, |piece| {
+            let (rod, segment) = self.pieces[piece];
+            if let Some(hit) = self.solids[rod].segments[segment].hit(ray)
+                && first.is_none_or(|(there, f)| {
+                    // Two rods at the very same distance: the one that the scene names first, whatever the tree.
+                    hit.t_m < f.t_m || (hit.t_m == f.t_m && piece < there)
+                })
+            {
+                first = Some((piece, hit));
+            }
+            first.map_or(f64::INFINITY, |(_, f)| f.t_m)
+        });
+        first.map(|(piece, hit)| {
+            let (rod, segment) = self.pieces[piece];
+            (rod, self.solids[rod].seamless(segment, hit, ray))
+        })
+    }
+
+    /// Whether the first `length_m` of the ray meet a rod.
+    pub(crate) fn block(&self, ray: &Ray, length_m: f64) -> bool {
+        let mut blocked = false;
+        self.tree.visit(ray, 0.0, length_m, |piece| {
+            let (rod, segment) = self.pieces[piece];
+            blocked = blocked || self.solids[rod].segments[segment].blocks(ray, length_m);
+            if blocked { f64::NEG_INFINITY } else { length_m }
+        });
+        blocked
+    }
+
+    /// Whether a limb of a rod passes within `footprint_rad` of the ray.
+    pub(crate) fn graze(&self, ray: &Ray, footprint_rad: f64) -> bool {
         let mut grazes = false;
-        self.visit(ray, footprint_rad, |_, segment| {
-            grazes = grazes || segment.grazes(ray, footprint_rad);
+        self.tree.visit(ray, footprint_rad, f64::INFINITY, |piece| {
+            let (rod, segment) = self.pieces[piece];
+            grazes = grazes || self.solids[rod].segments[segment].grazes(ray, footprint_rad);
+            if grazes {
+                f64::NEG_INFINITY
+            } else {
+                f64::INFINITY
+            }
         });
         grazes
     }
@@ -179,13 +185,14 @@ mod tests {
 
     #[test]
     fn capped_cylinder_is_hit_on_its_side_its_cap_and_along_its_axis() {
-        let solid = RodSolid::new(&rod(None));
+        let solid = Rods::new(&[rod(None)]);
         let side = solid
             .hit(&Ray {
                 origin_m: Vec3::zeros(),
                 direction: Vec3::x(),
             })
-            .unwrap();
+            .unwrap()
+            .1;
         assert!(
             (side.t_m - 1.95).abs() < 1e-12
                 && side.face == Face::Side
@@ -195,7 +202,7 @@ mod tests {
             origin_m: Vec3::new(2.01, 0.0, -3.0),
             direction: Vec3::z(),
         };
-        let cap = solid.hit(&above).unwrap();
+        let cap = solid.hit(&above).unwrap().1;
         assert!(
             (cap.t_m - 2.0).abs() < 1e-12
                 && cap.face == Face::Cap
@@ -233,13 +240,13 @@ mod tests {
             sagitta_m: 0.06,
             towards: Vec3::y(),
         }));
-        let solid = RodSolid::new(&bent);
-        assert!((solid.arc.at(1.0).point_m.y - 0.06).abs() < 1e-12);
-        assert!((solid.arc.at(-1.0).point_m.y - 0.06).abs() < 1e-12);
+        let solid = Rods::new(&[bent]);
+        assert!((solid.solids[0].arc.at(1.0).point_m.y - 0.06).abs() < 1e-12);
+        assert!((solid.solids[0].arc.at(-1.0).point_m.y - 0.06).abs() < 1e-12);
         for i in -99..=99 {
             let s = f64::from(i) / 100.0;
-            let at = solid.arc.at(s);
-            assert!((solid.arc.parameter_of(&at.point_m) - s).abs() < 1e-12);
+            let at = solid.solids[0].arc.at(s);
+            assert!((solid.solids[0].arc.parameter_of(&at.point_m) - s).abs() < 1e-12);
             // From outside, along the inward normal of the bend's outer side.
             let inwards = (Vec3::y() - at.direction * at.direction.y).normalize();
             let hit = solid
@@ -247,7 +254,8 @@ mod tests {
                     origin_m: at.point_m - inwards,
                     direction: inwards,
                 })
-                .unwrap();
+                .unwrap()
+                .1;
             assert!(
                 (hit.t_m - 0.95).abs() < 1.1 * CHAIN_ERROR_M,
                 "s {s}: {}",
@@ -262,10 +270,10 @@ mod tests {
             sagitta_m: 0.06,
             towards: Vec3::y(),
         }));
-        let solid = RodSolid::new(&bent);
+        let solid = Rods::new(&[bent]);
         for i in 0..4000 {
             let s = f64::from(i) / 2000.0 - 0.9997;
-            let at = solid.arc.at(s);
+            let at = solid.solids[0].arc.at(s);
             let outwards = (at.direction * at.direction.y - Vec3::y()).normalize();
             for (depth, expected) in [(0.0499, true), (0.0501, false)] {
                 let origin_m = at.point_m + outwards * depth - Vec3::x();
@@ -290,8 +298,8 @@ mod tests {
             sagitta_m: 0.06,
             towards: Vec3::y(),
         }));
-        let solid = RodSolid::new(&bent);
-        let end = solid.arc.at(1.0);
+        let solid = Rods::new(&[bent]);
+        let end = solid.solids[0].arc.at(1.0);
         let across = Vec3::x().cross(&end.direction);
         for turn in 0..12 {
             let (sin, cos) = libm::sincos(f64::from(turn) * 0.523);
@@ -301,7 +309,8 @@ mod tests {
                     origin_m,
                     direction: -end.direction,
                 })
-                .unwrap();
+                .unwrap()
+                .1;
             assert_eq!(hit.face, Face::Cap, "turn {turn}");
             assert!(
                 hit.normal.dot(&end.direction) > 0.999_99,
@@ -314,7 +323,7 @@ mod tests {
     /// From inside, from behind, and along the surface a ray meets nothing or what it should.
     #[test]
     fn rays_along_the_rod_meet_its_cap_or_nothing() {
-        let solid = RodSolid::new(&rod(None));
+        let solid = Rods::new(&[rod(None)]);
         let along = |x_m: f64, z_m: f64| {
             solid.hit(&Ray {
                 origin_m: Vec3::new(x_m, 0.0, z_m),
@@ -322,7 +331,7 @@ mod tests {
             })
         };
         for off_m in [0.0, 0.02, 0.049_999] {
-            let hit = along(2.0 + off_m, -3.0).unwrap();
+            let hit = along(2.0 + off_m, -3.0).unwrap().1;
             assert!(
                 (hit.t_m - 2.0).abs() < 1e-12 && hit.face == Face::Cap,
                 "{off_m}"
@@ -337,7 +346,8 @@ mod tests {
                 origin_m: Vec3::new(1.9, 0.0, -0.9),
                 direction: Vec3::new(0.05, 0.0, 1.0).normalize(),
             })
-            .unwrap();
+            .unwrap()
+            .1;
         assert_eq!(tilted.face, Face::Side);
         assert!((tilted.normal + Vec3::x()).norm() < 1e-12);
     }

@@ -2,6 +2,8 @@
 
 use rodsight_geometry::{Cylinder, Line3, Vec3};
 
+use crate::bvh::Bounds;
+
 /// A ray with a unit direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ray {
@@ -48,6 +50,18 @@ impl Capped {
                 radius_m,
             },
             half_length_m,
+        }
+    }
+
+    /// The smallest box around it: a disc of unit normal d and radius r reaches r √(1 − d²) along an axis.
+    pub(super) fn bounds(&self) -> Bounds {
+        let axis = &self.cylinder.axis;
+        let reach_m = axis.direction.map(|d| {
+            self.half_length_m * d.abs() + self.cylinder.radius_m * (1.0 - d * d).max(0.0).sqrt()
+        });
+        Bounds {
+            min_m: axis.point_m - reach_m,
+            max_m: axis.point_m + reach_m,
         }
     }
 

@@ -5,7 +5,7 @@ use rodsight_optics::Bands;
 use rodsight_scene::{Material, Mode, Scene};
 
 use super::light::LampLight;
-use super::rod::RodSolid;
+use super::rod::Rods;
 use super::seabed;
 use super::solid::{Face, Ray};
 
@@ -13,7 +13,7 @@ use super::solid::{Face, Ray};
 #[derive(Debug)]
 pub(crate) struct World<'a> {
     pub(crate) scene: &'a Scene,
-    pub(super) rods: Vec<RodSolid>,
+    pub(super) rods: Rods,
     pub(super) lamps: Vec<LampLight>,
     /// Attenuation on every leg: c, or nothing in mode `air`.
     pub(super) attenuation_per_m: Bands,
@@ -57,8 +57,11 @@ impl Thing {
 
 impl<'a> World<'a> {
     pub(crate) fn new(scene: &'a Scene) -> Self {
-        let rods: Vec<RodSolid> = scene.rods.iter().map(RodSolid::new).collect();
-        let pieces = || rods.iter().flat_map(|rod| rod.silhouette.iter().copied());
+        let rods = Rods::new(&scene.rods);
+        let pieces = || {
+            let silhouettes = rods.solids.iter().map(|rod| rod.silhouette.iter());
+            silhouettes.flatten().copied()
+        };
         let lamps = scene
             .lamps
             .iter()
@@ -94,25 +97,22 @@ impl<'a> World<'a> {
             .seabed
             .as_ref()
             .and_then(|seabed| seabed::hit(seabed, ray));
-        let mut first = floor.map(|t_m| Hit {
+        let floor = floor.map(|t_m| Hit {
             t_m,
             normal: Vec3::new(0.0, 0.0, -ray.direction.z.signum()),
             thing: Thing::Seabed,
             face: Face::Side,
         });
-        for (index, rod) in self.rods.iter().enumerate() {
-            if let Some(hit) = rod.hit(ray)
-                && first.is_none_or(|f| hit.t_m < f.t_m)
-            {
-                first = Some(Hit {
-                    t_m: hit.t_m,
-                    normal: hit.normal,
-                    thing: Thing::Rod(index),
-                    face: hit.face,
-                });
-            }
+        let rod = self.rods.hit(ray).map(|(index, hit)| Hit {
+            t_m: hit.t_m,
+            normal: hit.normal,
+            thing: Thing::Rod(index),
+            face: hit.face,
+        });
+        match (floor, rod) {
+            (Some(floor), Some(rod)) => Some(if rod.t_m < floor.t_m { rod } else { floor }),
+            (floor, rod) => floor.or(rod),
         }
-        first
     }
 
     /// Whether anything hides a point from another.
@@ -129,7 +129,7 @@ impl<'a> World<'a> {
 
     /// Whether a limb of a rod passes so near the ray that a single sample cannot stand for the pixel.
     pub(super) fn grazes_a_limb(&self, ray: &Ray, footprint_rad: f64) -> bool {
-        self.rods.iter().any(|rod| rod.grazes(ray, footprint_rad))
+        self.rods.graze(ray, footprint_rad)
     }
 
     pub(super) fn material(&self, ray: &Ray, hit: &Hit) -> Material {
