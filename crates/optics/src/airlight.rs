@@ -7,7 +7,7 @@
 
 use rodsight_geometry::Vec3;
 
-use crate::{Bands, Medium, exponential};
+use crate::{Bands, Medium, exponential, transmittance};
 
 /// The lamp's distance from the ray is never taken smaller, m: a ray through the lamp itself has no finite answer.
 const NEAREST_M: f64 = 1e-3;
@@ -200,6 +200,29 @@ impl Airlight<'_> {
         }
         let sum = sum.map(|[a, b, c, d]| (a + b) + (c + d));
         core::array::from_fn(|k| scattering[k] * weight * sum[k])
+    }
+
+    /// The integrand: radiance per unit radiant intensity and metre that the ray gains at `distance_m`, sr⁻¹ m⁻³.
+    ///
+    /// Arguments as of [`lamp`](Self::lamp).
+    pub fn lamp_per_m(
+        &self,
+        lamp_from_origin: &Vec3,
+        direction: &Vec3,
+        distance_m: f64,
+        emitted: impl Fn(&Vec3, f64) -> f64,
+    ) -> Bands {
+        let from_lamp = direction * distance_m - lamp_from_origin;
+        let r_m = from_lamp.norm().max(NEAREST_M);
+        let from_lamp = from_lamp / r_m;
+        let light = emitted(&from_lamp, distance_m) / (r_m * r_m);
+        if light == 0.0 {
+            return [0.0; 3];
+        }
+        let source = light * self.medium.phase_per_sr(-from_lamp.dot(direction));
+        let left = transmittance(&self.attenuation_per_m, r_m + distance_m);
+        let scattering = self.medium.scattering_per_m();
+        core::array::from_fn(|k| scattering[k] * source * left[k])
     }
 
     #[inline]

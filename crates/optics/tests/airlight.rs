@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use rodsight_geometry::Vec3;
-use rodsight_optics::{Airlight, EquiAngular, Medium, Phase, water};
+use rodsight_optics::{Airlight, EquiAngular, Medium, Phase, transmittance, water};
 
 fn medium(phase: Phase) -> Medium {
     Medium::new([0.2, 0.1, 0.05], [0.4, 0.45, 0.5], phase).expect("a valid medium")
@@ -238,5 +238,32 @@ fn airlight_asks_nothing_more_of_a_dark_node() {
     let (near, far, all) = (part(|t| t < 0.5), part(|t| t >= 0.5), part(|_| true));
     for k in 0..3 {
         assert!((near[k] + far[k] - all[k]).abs() < 1e-15);
+    }
+}
+
+/// The gain per metre is what a short stretch gains.
+#[test]
+fn airlight_per_metre_is_the_slope_of_the_airlight() {
+    let medium = medium(Phase::petzold3());
+    let airlight = airlight(&medium, 512);
+    for (direction, lamp) in rays_and_lamps() {
+        for distance_m in [0.3, 1.0, 4.0] {
+            let step_m = 1e-3;
+            let from_m = distance_m - step_m;
+            let stretch = airlight.lamp(
+                &(lamp - direction * from_m),
+                &direction,
+                2.0 * step_m,
+                |_, _| 1.0,
+            );
+            let before = transmittance(&airlight.attenuation_per_m, from_m);
+            let slope = stretch[1] * before[1] / (2.0 * step_m);
+            let gain = airlight.lamp_per_m(&lamp, &direction, distance_m, |_, _| 1.0)[1];
+            // Second order in the step: lamps are at least 0.1 m from the ray.
+            assert!(
+                (gain / slope - 1.0).abs() < 1e-3,
+                "{distance_m} m: {gain:e} and {slope:e}"
+            );
+        }
     }
 }

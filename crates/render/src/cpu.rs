@@ -3,6 +3,7 @@
 //! A pixel away from edges takes one ray through its centre; a pixel near an edge of instance, face, shadow or depth takes all
 //! samples of the edge pattern. Random numbers have no part in it.
 
+mod airlight_grid;
 pub(crate) mod arc;
 mod light;
 pub(crate) mod rod;
@@ -21,6 +22,7 @@ use rodsight_scene::{Mode, Scene};
 use crate::frame::{EyeFrame, Frame, PixelTruth};
 use crate::lattice::{edge_offsets, pixel_shift};
 use crate::{RenderError, Renderer};
+use airlight_grid::AirlightGrid;
 use solid::{Face, Ray};
 use world::{Hit, Thing, World, pixel_angle_rad};
 
@@ -90,6 +92,7 @@ impl CpuRenderer {
             other,
             other_from_rig: other.rig_from_camera.inverse(),
             eye,
+            airlight: AirlightGrid::new(&world, &mounted),
             // Half a diagonal of the pixel, and as much again: shading is steepest beside a limb.
             graze_rad: 1.5 * pixel_angle_rad(&mounted.camera),
         };
@@ -105,6 +108,7 @@ struct Caster<'a> {
     other: MountedCamera,
     other_from_rig: Pose<CameraFrame, RigFrame>,
     eye: Eye,
+    airlight: AirlightGrid,
     /// Rays nearer than this to a limb take all samples.
     graze_rad: f64,
 }
@@ -196,7 +200,7 @@ impl Caster<'_> {
         };
         let hit = self.world.hit(&ray);
         let surface = self.light_of(&ray, hit.as_ref());
-        let backscatter = self.world.backscatter(&ray, surface.range_m);
+        let backscatter = self.backscatter(&ray, pixel, surface.range_m);
         let mut truth = PixelTruth::NOTHING;
         let mut key = EdgeKey {
             lit_by: surface.lit_by,
@@ -234,6 +238,12 @@ impl Caster<'_> {
         }
         store(&mut truth, &surface, &backscatter);
         (truth, key)
+    }
+
+    /// The light that the water scatters into a ray.
+    fn backscatter(&self, ray: &Ray, pixel: &Pixel, distance_m: f64) -> Bands {
+        let unshadowed = self.airlight.at(self.world, ray, pixel, distance_m);
+        self.world.backscatter(ray, distance_m, &unshadowed)
     }
 
     /// The light that leaves what a ray hits, after its way to the camera.
@@ -300,9 +310,10 @@ impl Caster<'_> {
             *light = light.map(|sum| sum * share);
         }
         let mut backscatter = [0.0; 3];
-        if let Some(ray) = self.ray(&Pixel::new(corner.x + 0.5, corner.y + 0.5)) {
+        let centre = Pixel::new(corner.x + 0.5, corner.y + 0.5);
+        if let Some(ray) = self.ray(&centre) {
             for (_, count, range_sum) in things {
-                let scattered = self.world.backscatter(&ray, range_sum / count);
+                let scattered = self.backscatter(&ray, &centre, range_sum / count);
                 for k in 0..3 {
                     backscatter[k] += scattered[k] * count * share;
                 }

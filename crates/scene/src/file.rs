@@ -356,7 +356,7 @@ impl Default for EmvaEntry {
 pub struct SamplingEntry {
     /// Samples in a pixel at an edge.
     pub edge: EdgeEntry,
-    /// Midpoints of the airlight quadrature per lamp and ray: 16 are good for 1 %, 32 for 0.3 %.
+    /// Midpoints of the scattering integral per lamp and shadowed stretch of a ray: 16 are good for 1 %, 32 for 0.3 %.
     pub airlight_points: u32,
 }
 

@@ -172,7 +172,7 @@ pub struct Emva {
 pub struct Sampling {
     /// Samples in a pixel at an edge.
     pub edge: EdgeSampling,
-    /// Midpoints of the airlight quadrature per lamp.
+    /// Midpoints of the scattering integral per lamp and shadowed stretch of a ray.
     pub airlight_points: u32,
 }
 

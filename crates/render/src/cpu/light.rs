@@ -108,63 +108,113 @@ impl World<'_> {
         self.rods.block(&ray, reach)
     }
 
+    /// Whether lamps light the water.
+    pub(super) fn has_airlight(&self) -> bool {
+        !matches!(self.scene.mode, Mode::Air | Mode::Koschmieder)
+            && !self.scene.medium.is_vacuum()
+            && !self.lamps.is_empty()
+    }
+
     /// Light the water scatters into a ray of the given length (infinite where there is no surface): single scattering of every
-    /// lamp, shadowed by the rods, and the veil of the ambient light.
-    pub(super) fn backscatter(&self, ray: &Ray, distance_m: f64) -> Bands {
-        let medium = &self.scene.medium;
-        if self.scene.mode == Mode::Air || medium.is_vacuum() {
+    /// lamp, shadowed by the rods, and the veil of the ambient light. `unshadowed` is what the lamps' would be without rods.
+    pub(super) fn backscatter(&self, ray: &Ray, distance_m: f64, unshadowed: &Bands) -> Bands {
+        let mut light = self.veil(distance_m);
+        if !self.has_airlight() {
+            return light;
+        }
+        let mut lamps = *unshadowed;
+        let distance_m = distance_m.min(self.horizon_m);
+        let points = self.scene.sampling.airlight_points;
+        for lamp in &self.lamps {
+            let mut lit_from_m = 0.0_f64;
+            for (from_m, to_m) in lamp.shadows.dark_stretches(ray, distance_m) {
+                let from_m = from_m.max(lit_from_m);
+                if to_m - from_m > MIN_STRETCH_M {
+                    let missing = self.scattered(lamp, ray, from_m, to_m, points);
+                    lamps = core::array::from_fn(|k| lamps[k] - missing[k]);
+                }
+                lit_from_m = lit_from_m.max(to_m);
+            }
+        }
+        // Where all of it is in the dark, the two sums differ by their quadratures.
+        for k in 0..3 {
+            light[k] += lamps[k].max(0.0);
+        }
+        light
+    }
+
+    /// The veil of the ambient light: B∞ (1 − e^(−c z)) with B∞ = b L / c.
+    fn veil(&self, distance_m: f64) -> Bands {
+        let (c, b) = (
+            &self.attenuation_per_m,
+            self.scene.medium.scattering_per_m(),
+        );
+        let ambient = &self.scene.ambient_radiance;
+        if self.scene.mode == Mode::Air || *ambient == [0.0; 3] {
             return [0.0; 3];
         }
-        let (c, b) = (&self.attenuation_per_m, medium.scattering_per_m());
-        let mut light: Bands = core::array::from_fn(|k| {
-            // B∞ (1 − e^(−c z)) with B∞ = b L / c.
+        core::array::from_fn(|k| {
             let veil = if distance_m.is_finite() {
                 -libm::expm1(-c[k] * distance_m)
             } else {
                 1.0
             };
             if c[k] > 0.0 {
-                b[k] / c[k] * self.scene.ambient_radiance[k] * veil
+                b[k] / c[k] * ambient[k] * veil
             } else {
                 0.0
             }
-        });
-        if self.scene.mode == Mode::Koschmieder {
-            return light;
-        }
-        let distance_m = distance_m.min(self.horizon_m);
-        for lamp in &self.lamps {
-            let mut lit_from_m = 0.0;
-            for (from_m, to_m) in lamp.shadows.dark_stretches(ray, distance_m) {
-                if from_m - lit_from_m > MIN_STRETCH_M {
-                    self.scattered(lamp, ray, lit_from_m, from_m, &mut light);
-                }
-                lit_from_m = lit_from_m.max(to_m);
-            }
-            if distance_m - lit_from_m > MIN_STRETCH_M {
-                self.scattered(lamp, ray, lit_from_m, distance_m, &mut light);
-            }
-        }
-        light
+        })
     }
 
-    /// What one lamp's light adds to a stretch of a ray.
-    fn scattered(&self, light: &LampLight, ray: &Ray, from_m: f64, to_m: f64, sum: &mut Bands) {
-        let airlight = Airlight {
-            medium: &self.scene.medium,
-            attenuation_per_m: self.attenuation_per_m,
-            points: self.scene.sampling.airlight_points,
-        };
+    /// What all lamps' light would add to a stretch of a ray if nothing stood in it.
+    pub(super) fn unshadowed(&self, ray: &Ray, from_m: f64, to_m: f64, points: u32) -> Bands {
+        self.lamps.iter().fold([0.0; 3], |sum: Bands, lamp| {
+            let light = self.scattered(lamp, ray, from_m, to_m.min(self.horizon_m), points);
+            core::array::from_fn(|k| sum[k] + light[k])
+        })
+    }
+
+    /// The same per metre, at a distance.
+    pub(super) fn unshadowed_per_m(&self, ray: &Ray, distance_m: f64) -> Bands {
+        let airlight = self.airlight(1);
+        self.lamps.iter().fold([0.0; 3], |sum: Bands, light| {
+            let lamp = &light.lamp;
+            let gain = airlight.lamp_per_m(
+                &(lamp.position_m - ray.origin_m),
+                &ray.direction,
+                distance_m,
+                |direction, _| cone(light, direction),
+            );
+            core::array::from_fn(|k| sum[k] + lamp.radiant_intensity_w_per_sr[k] * gain[k])
+        })
+    }
+
+    /// What one lamp's light adds to a stretch of a ray; nothing if it ends before it begins.
+    fn scattered(
+        &self,
+        light: &LampLight,
+        ray: &Ray,
+        from_m: f64,
+        to_m: f64,
+        points: u32,
+    ) -> Bands {
         let lamp = &light.lamp;
-        let scattered = airlight.lamp(
+        let scattered = self.airlight(points).lamp(
             &(lamp.position_m - ray.at(from_m)),
             &ray.direction,
             to_m - from_m,
             |direction, _| cone(light, direction),
         );
         let before = transmittance(&self.attenuation_per_m, from_m);
-        for k in 0..3 {
-            sum[k] += lamp.radiant_intensity_w_per_sr[k] * scattered[k] * before[k];
+        core::array::from_fn(|k| lamp.radiant_intensity_w_per_sr[k] * scattered[k] * before[k])
+    }
+
+    fn airlight(&self, points: u32) -> Airlight<'_> {
+        Airlight {
+            medium: &self.scene.medium,
+            attenuation_per_m: self.attenuation_per_m,
+            points,
         }
     }
 }
