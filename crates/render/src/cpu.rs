@@ -17,7 +17,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use rayon::prelude::*;
 use rodsight_geometry::{CameraFrame, Eye, MountedCamera, Pixel, Pose, RigFrame};
 use rodsight_optics::{Bands, transmittance};
-use rodsight_scene::{Mode, Scene};
+use rodsight_scene::{Finish, Mode, Scene};
 
 use crate::frame::{EyeFrame, Frame, PixelTruth};
 use crate::lattice::{edge_offsets, pixel_shift};
@@ -50,6 +50,33 @@ impl Renderer for CpuRenderer {
     }
 }
 
+/// What of a scene is more than plain rods and a plain floor.
+fn beyond_rods(scene: &Scene) -> Option<&'static str> {
+    let seabed = scene.seabed.as_ref();
+    let features = [
+        ("[[occluder]]", !scene.occluders.is_empty()),
+        ("[[prop]]", !scene.props.is_empty()),
+        (
+            "[rod.surface]",
+            scene
+                .rods
+                .iter()
+                .any(|rod| rod.finish != Finish::default() || rod.fouling.is_some()),
+        ),
+        (
+            "[seabed.ripples]",
+            seabed.is_some_and(|s| s.ripples.is_some()),
+        ),
+        (
+            "[seabed.clutter]",
+            seabed.is_some_and(|s| s.clutter.is_some()),
+        ),
+    ];
+    features
+        .into_iter()
+        .find_map(|(name, used)| used.then_some(name))
+}
+
 impl CpuRenderer {
     /// Renders one eye.
     ///
@@ -67,6 +94,14 @@ impl CpuRenderer {
                 backend: self.backend(),
                 feature: "mode \"full\" (forward-scatter halo and marine snow)",
                 instead: "set mode to \"single\"",
+            });
+        }
+        if let Some(feature) = beyond_rods(scene) {
+            return Err(RenderError::Unsupported {
+                scene: scene.id.clone(),
+                backend: self.backend(),
+                feature,
+                instead: "leave it out",
             });
         }
         let intrinsics = scene.rig.eye(eye).camera.intrinsics();

@@ -30,6 +30,8 @@ fn with_floor(z_m: f64) -> Scene {
         albedo: [0.5, 0.4, 0.3],
         texture_contrast: 0.0,
         texture_scale_m: 0.1,
+        ripples: None,
+        clutter: None,
     });
     scene.lamps.push(common::bare_lamp(LAMP_M, INTENSITY));
     scene

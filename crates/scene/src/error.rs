@@ -97,6 +97,12 @@ pub(crate) struct Complaints<'a> {
 }
 
 impl Complaints<'_> {
+    /// The file cannot be read.
+    pub(crate) fn unreadable(&self, error: &std::io::Error) -> SceneError {
+        let (path, message) = (self.path.to_owned(), error.to_string());
+        ConfigError::Io { path, message }.into()
+    }
+
     pub(crate) fn value(
         &self,
         key: impl Into<String>,

@@ -1,10 +1,17 @@
 //! The scene file's format, `schema = 1`: what was typed, unchecked. Angles are in degrees here and nowhere else.
 
+mod content;
+
 use std::path::PathBuf;
 
 use rodsight_geometry::{Eye, RigFile};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+pub use content::{BlockEntry, CapsuleEntry, ClutterEntry, FoulingEntry, GlossEntry, GrainEntry};
+pub use content::{
+    OccluderEntry, PropEntry, RipplesEntry, SphereEntry, StripesEntry, SurfaceEntry,
+};
 
 use crate::Mode;
 
@@ -48,6 +55,12 @@ pub struct SceneFile {
     pub lamp: Vec<LampEntry>,
     /// The rods.
     pub rod: Vec<RodEntry>,
+    /// Simple bodies that stand in the way.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub occluder: Vec<OccluderEntry>,
+    /// Meshes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub prop: Vec<PropEntry>,
     /// The sea floor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seabed: Option<SeabedEntry>,
@@ -201,6 +214,9 @@ pub struct RodEntry {
     /// A surface that sends this radiance whatever light falls on it: for tests of edges.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flat_radiance_w_per_m2_sr: Option<[f64; 3]>,
+    /// What makes the surface other than evenly matt and clean.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<SurfaceEntry>,
 }
 
 /// A circular arc instead of a straight axis.
@@ -227,6 +243,12 @@ pub struct SeabedEntry {
     /// Size of the coarsest grains.
     #[serde(default = "default_texture_scale_m")]
     pub texture_scale_m: f64,
+    /// Ripples of the sand.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ripples: Option<RipplesEntry>,
+    /// Stones on it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clutter: Option<ClutterEntry>,
 }
 
 fn default_texture_scale_m() -> f64 {

@@ -15,8 +15,10 @@
 //! This crate draws nothing and knows no images.
 
 mod check;
+mod content;
 mod error;
 mod file;
+mod mesh;
 mod model;
 mod parts;
 mod placement;
@@ -30,10 +32,15 @@ pub use file::{
     BendEntry, EdgeEntry, EmvaEntry, ExposureEntry, LampEntry, LobeEntry, PhaseEntry, RodEntry,
     SamplingEntry, SceneFile, SeabedEntry, SensorEntry, TargetEntry, WaterEntry,
 };
+pub use file::{BlockEntry, CapsuleEntry, ClutterEntry, FoulingEntry, GlossEntry, GrainEntry};
+pub use file::{OccluderEntry, PropEntry, RipplesEntry, SphereEntry, StripesEntry, SurfaceEntry};
+pub use mesh::{Mesh, MeshMaterial, MeshPart, Texture, Wrap};
 pub use model::{
     Bend, EdgeSampling, Emva, Exposure, Lamp, Material, Mode, Rod, Sampling, Scene, Seabed, Sensor,
     Target,
 };
+pub use model::{Clutter, Finish, Fouling, Gloss, Grain, Occluder, Prop, PropFrame, Ripples};
+pub use model::{Shape, Stripes};
 
 /// The JSON Schema of scene files, for editors.
 pub fn scene_json_schema() -> schemars::Schema {

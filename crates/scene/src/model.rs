@@ -2,8 +2,13 @@
 //!
 //! Scene coordinates are those of the rig (vehicle): x forward, y starboard, z down.
 
+mod content;
+
 use rodsight_geometry::{Eye, Rig, Vec3};
 use rodsight_optics::{Bands, Medium};
+
+pub use content::{Clutter, Finish, Fouling, Gloss, Grain, Occluder, Prop, PropFrame, Ripples};
+pub use content::{Shape, Stripes};
 
 /// A scene, ready to be rendered.
 #[derive(Clone, Debug)]
@@ -26,8 +31,12 @@ pub struct Scene {
     pub background_radiance: Bands,
     /// The lamps.
     pub lamps: Vec<Lamp>,
-    /// The rods; instance id = index + 2 (0 is nothing, 1 the seabed).
+    /// The rods.
     pub rods: Vec<Rod>,
+    /// Simple bodies that stand in the way.
+    pub occluders: Vec<Occluder>,
+    /// Meshes.
+    pub props: Vec<Prop>,
     /// The sea floor.
     pub seabed: Option<Seabed>,
     /// Radiance to digital numbers.
@@ -92,6 +101,10 @@ pub struct Rod {
     pub bend: Option<Bend>,
     /// Surface.
     pub material: Material,
+    /// What makes it other than evenly matt.
+    pub finish: Finish,
+    /// What grows on it.
+    pub fouling: Option<Fouling>,
 }
 
 /// A circular arc: the ends lie `sagitta_m` from the tangent at the middle, towards `towards`.
@@ -123,6 +136,10 @@ pub struct Seabed {
     pub texture_contrast: f64,
     /// Size of the coarsest grains, m.
     pub texture_scale_m: f64,
+    /// Waves of the sand.
+    pub ripples: Option<Ripples>,
+    /// Stones on it.
+    pub clutter: Option<Clutter>,
 }
 
 /// How radiance becomes digital numbers: 1 = full scale.

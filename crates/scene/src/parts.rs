@@ -168,6 +168,8 @@ impl SeabedEntry {
                 |v| (0.0..1.0).contains(&v) && brightest * (1.0 + v) <= 1.0 + 1e-12,
             )?,
             texture_scale_m: no.extent("seabed.texture_scale_m", self.texture_scale_m)?,
+            ripples: self.ripples.map(|r| r.to_ripples(no)).transpose()?,
+            clutter: self.clutter.map(|c| c.to_clutter(no)).transpose()?,
         })
     }
 }

@@ -1,6 +1,6 @@
 //! What only the whole scene can tell: rods behind the cameras, cameras and lamps where they cannot be.
 
-use rodsight_geometry::Eye;
+use rodsight_geometry::{Eye, Vec3};
 
 use crate::error::Complaints;
 use crate::{Scene, SceneError};
@@ -43,6 +43,25 @@ pub(crate) fn check_placement(scene: &Scene, no: &Complaints<'_>) -> Result<(), 
                     rod.id, reach_m[0], reach_m[1]
                 ),
             ));
+        }
+    }
+    for (k, occluder) in scene.occluders.iter().enumerate() {
+        let inside = |point_m: &Vec3| occluder.shape.contains(point_m);
+        let within = |what: String| {
+            let found = format!("{what} inside \"{}\"", occluder.id);
+            no.value(
+                format!("occluder[{k}]"),
+                "no camera and no lamp inside it",
+                found,
+            )
+        };
+        for eye in Eye::BOTH {
+            if inside(&scene.rig.eye(eye).rig_from_camera.origin_m()) {
+                return Err(within(format!("the {} camera", eye.name())));
+            }
+        }
+        if let Some(lamp) = scene.lamps.iter().position(|l| inside(&l.position_m)) {
+            return Err(within(format!("lamp[{lamp}]")));
         }
     }
     let target = scene.target;

@@ -9,7 +9,7 @@ use crate::check::{list, nearest_fibonacci};
 use crate::error::{Complaints, with_key};
 use crate::file::{EdgeEntry, SceneFile};
 use crate::placement::check_placement;
-use crate::{EdgeSampling, Mode, Rod, Sampling, Scene, SceneError, Target};
+use crate::{EdgeSampling, Mode, Occluder, Prop, Rod, Sampling, Scene, SceneError, Target};
 
 impl Scene {
     /// Reads a scene file.
@@ -94,6 +94,7 @@ impl SceneFile {
             }
             rods.push(rod);
         }
+        let (occluders, props) = self.bodies(&no, &rods)?;
         let scene = Scene {
             id: self.id.clone(),
             seed: self.seed,
@@ -107,6 +108,8 @@ impl SceneFile {
                 self.background_radiance_w_per_m2_sr,
             )?,
             lamps,
+            occluders,
+            props,
             seabed: self.seabed.map(|s| s.to_seabed(&no)).transpose()?,
             exposure: self.exposure.to_exposure(&no)?,
             white_balance: no.bands(
@@ -123,6 +126,45 @@ impl SceneFile {
         };
         check_placement(&scene, &no)?;
         Ok(scene)
+    }
+
+    /// What is neither rod nor seabed, under names that nothing else has.
+    fn bodies(
+        &self,
+        no: &Complaints<'_>,
+        rods: &[Rod],
+    ) -> Result<(Vec<Occluder>, Vec<Prop>), SceneError> {
+        let mut names: Vec<String> = rods.iter().map(|rod| rod.id.clone()).collect();
+        let mut claim = |key: String, id: &str| {
+            let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+            if id.is_empty() || !id.chars().all(plain) {
+                let expected = "letters, digits, `_` and `-`";
+                return Err(no.value(key, expected, format!("\"{id}\"")));
+            }
+            if names.iter().any(|name| name == id) {
+                let expected = "a name that nothing else has";
+                return Err(no.value(key, expected, format!("\"{id}\" again")));
+            }
+            names.push(id.to_owned());
+            Ok(())
+        };
+        let mut occluders = Vec::new();
+        for (k, entry) in self.occluder.iter().enumerate() {
+            claim(format!("occluder[{k}].id"), &entry.id)?;
+            occluders.push(entry.to_occluder(no, &format!("occluder[{k}]"))?);
+        }
+        let (mut props, mut meshes) = (Vec::new(), Vec::new());
+        for (k, entry) in self.prop.iter().enumerate() {
+            claim(format!("prop[{k}].id"), &entry.id)?;
+            props.push(entry.to_prop(no, &format!("prop[{k}]"), &mut meshes)?);
+        }
+        // Each has a number of 16 bits in the instance channel, rods one more for what grows on them.
+        let count = 2 * rods.len() + occluders.len() + props.len();
+        if count > 65_000 {
+            let expected = "at most 65000 of rods (twice), occluders and props together";
+            return Err(no.value("rod", expected, count));
+        }
+        Ok((occluders, props))
     }
 
     fn rig(&self, path: &Path, no: &Complaints<'_>) -> Result<Rig, SceneError> {

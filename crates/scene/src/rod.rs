@@ -28,6 +28,8 @@ impl RodEntry {
             self.axis_around_centre(no, key)?
         };
         let (centre_m, direction, length_m, bend) = axis;
+        let material = self.material(no, key)?;
+        let surface = self.surface.unwrap_or_default();
         let rod = Rod {
             id: self.id.clone(),
             centre_m,
@@ -35,7 +37,9 @@ impl RodEntry {
             length_m,
             radius_m,
             bend,
-            material: self.material(no, key)?,
+            material,
+            finish: surface.to_finish(no, &sub("surface"), material)?,
+            fouling: surface.to_fouling(no, &sub("surface"))?,
         };
         if let Some(bend) = rod.bend {
             let limit_m = MAX_BEND * length_m;
@@ -242,6 +246,8 @@ mod tests {
                 towards: Vec3::z(),
             }),
             material: Material::Lambert([0.5; 3]),
+            finish: crate::Finish::default(),
+            fouling: None,
         }
     }
 

@@ -1,18 +1,22 @@
 //! From a scene back to a file.
 
+mod content;
+
 use rodsight_geometry::{RigFile, degrees, radians};
 use rodsight_optics::Phase;
 
 use crate::file::{
-    AutoExposureEntry, BendEntry, EdgeEntry, EmvaEntry, ExposureEntry, FournierForandEntry,
-    LampEntry, LobeEntry, PhaseEntry, PlainSensorEntry, RodEntry, SamplingEntry, SceneFile,
-    SeabedEntry, SensorEntry, TargetEntry, WaterEntry,
+    AutoExposureEntry, BendEntry, ClutterEntry, EdgeEntry, EmvaEntry, ExposureEntry,
+    FournierForandEntry, LampEntry, LobeEntry, OccluderEntry, PhaseEntry, PlainSensorEntry,
+    PropEntry, RipplesEntry, RodEntry, SamplingEntry, SceneFile, SeabedEntry, SensorEntry,
+    SurfaceEntry, TargetEntry, WaterEntry,
 };
 use crate::{EdgeSampling, Exposure, Lamp, Material, Rod, Scene, Sensor};
 
 impl SceneFile {
     /// The file that describes a scene with nothing left to look up: the rig inline, the water by its numbers. A scene that
-    /// was loaded comes back from it to the last bit.
+    /// was loaded comes back from it to the last bit, if each prop's mesh lies where
+    /// [`Prop::written_file`](crate::Prop::written_file) says.
     pub fn from_scene(scene: &Scene) -> Self {
         Self {
             schema: Self::SCHEMA,
@@ -33,11 +37,19 @@ impl SceneFile {
             }),
             lamp: scene.lamps.iter().map(LampEntry::from_lamp).collect(),
             rod: scene.rods.iter().map(RodEntry::from_rod).collect(),
+            occluder: scene
+                .occluders
+                .iter()
+                .map(OccluderEntry::from_occluder)
+                .collect(),
+            prop: scene.props.iter().map(PropEntry::from_prop).collect(),
             seabed: scene.seabed.map(|seabed| SeabedEntry {
                 z_m: seabed.z_m,
                 albedo: seabed.albedo,
                 texture_contrast: seabed.texture_contrast,
                 texture_scale_m: seabed.texture_scale_m,
+                ripples: seabed.ripples.map(RipplesEntry::from_ripples),
+                clutter: seabed.clutter.map(ClutterEntry::from_clutter),
             }),
             target: TargetEntry {
                 rod: scene.rods[scene.target.rod].id.clone(),
@@ -141,6 +153,7 @@ impl RodEntry {
             }),
             albedo,
             flat_radiance_w_per_m2_sr,
+            surface: SurfaceEntry::from_rod(rod),
         }
     }
 }

@@ -96,7 +96,7 @@ fn messages_are_exactly_these() {
             "radius_m = 0.05",
             "radius = 0.05",
             "scenes/x.toml:22: rod[0].radius: unknown field `radius`, expected one of `id`, `from_m`, `to_m`, `centre_m`, \
-             `direction`, `length_m`, `radius_m`, `bend`, `albedo`, `flat_radiance_w_per_m2_sr`; did you mean `radius_m`?",
+             `direction`, `length_m`, `radius_m`, `bend`, `albedo`, `flat_radiance_w_per_m2_sr`, `surface`; did you mean `radius_m`?",
         ),
         (
             "outer_half_angle_deg = 60",

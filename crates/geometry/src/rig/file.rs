@@ -7,8 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{MountedCamera, Rig, RigError, checked_rotation};
 use crate::{
-    Camera, CameraFrame, Distortion, Intrinsics, Mat3, Pose, RigFrame, config, radians,
-    rotation_from_rpy,
+    Camera, Distortion, Intrinsics, Mat3, Pose, RigFrame, config, radians, rotation_from_rpy,
 };
 
 /// What the first pixel's centre is called in a file: (0.5, 0.5) or (0, 0).
@@ -235,7 +234,13 @@ type Complaint = (&'static str, &'static str, String);
 impl MountEntry {
     const ROTATION: &'static str = "an orthonormal right-handed matrix";
 
-    fn to_pose(&self) -> Result<Pose<RigFrame, CameraFrame>, Complaint> {
+    /// The pose, of a camera or of anything else that is placed like one.
+    ///
+    /// # Errors
+    /// The key, what was expected there and what was found.
+    pub fn to_pose<From>(
+        &self,
+    ) -> Result<Pose<RigFrame, From>, (&'static str, &'static str, String)> {
         if let Some(bad) = self.translation_m.iter().find(|v| !v.is_finite()) {
             return Err(("translation_m", "finite numbers", bad.to_string()));
         }

@@ -180,6 +180,8 @@ mod tests {
             radius_m: 0.05,
             bend,
             material: Material::Flat([1.0; 3]),
+            finish: rodsight_scene::Finish::default(),
+            fouling: None,
         }
     }
 

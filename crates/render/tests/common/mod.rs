@@ -55,6 +55,8 @@ pub fn empty(shrink: u32) -> Scene {
         background_radiance: [0.0; 3],
         lamps: Vec::new(),
         rods: Vec::new(),
+        occluders: Vec::new(),
+        props: Vec::new(),
         seabed: None,
         exposure: Exposure::Fixed(1.0),
         white_balance: [1.0; 3],
@@ -84,6 +86,8 @@ pub fn flat_rod(centre_m: Vec3, direction: Vec3, radius_m: f64) -> Rod {
         radius_m,
         bend: None,
         material: Material::Flat([0.8, 0.5, 0.2]),
+        finish: rodsight_scene::Finish::default(),
+        fouling: None,
     }
 }
 
@@ -118,6 +122,8 @@ pub fn wet(shrink: u32) -> Scene {
         albedo: [0.42, 0.36, 0.26],
         texture_contrast: 0.25,
         texture_scale_m: 0.15,
+        ripples: None,
+        clutter: None,
     });
     scene.exposure = Exposure::Auto {
         quantile: 0.99,
