@@ -43,7 +43,7 @@ pub(crate) fn pixel_shift(pattern: EdgeSampling, column: u32, row: u32) -> [f64;
 }
 
 /// PCG-RXS-M-XS, 32 bits, as a hash (Jarzynski and Olano, JCGT 2020).
-fn pcg(value: u32) -> u32 {
+pub(crate) fn pcg(value: u32) -> u32 {
     let state = value.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
     (word >> 22) ^ word

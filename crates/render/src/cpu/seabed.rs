@@ -4,6 +4,7 @@ use rodsight_geometry::Vec3;
 use rodsight_scene::Seabed;
 
 use super::solid::Ray;
+use crate::lattice::pcg;
 
 /// Distance along a ray to the floor; `None` if it never gets there.
 pub(super) fn hit(seabed: &Seabed, ray: &Ray) -> Option<f64> {
@@ -14,6 +15,7 @@ pub(super) fn hit(seabed: &Seabed, ray: &Ray) -> Option<f64> {
 /// Albedo at a point of the floor, seen with samples `footprint_m` apart: octaves of value noise finer than two samples are left
 /// out, so that one sample a pixel does not alias.
 pub(super) fn albedo(seabed: &Seabed, seed: u64, point_m: &Vec3, footprint_m: f64) -> [f64; 3] {
+    let seed_word = seed_word(seed);
     let mut relief = 0.0;
     let (mut wavelength, mut amplitude) = (seabed.texture_scale_m, 0.5);
     for octave in 0..8 {
@@ -23,7 +25,12 @@ pub(super) fn albedo(seabed: &Seabed, seed: u64, point_m: &Vec3, footprint_m: f6
         }
         relief += fade
             * amplitude
-            * value_noise(seed, octave, point_m.x / wavelength, point_m.y / wavelength);
+            * value_noise(
+                seed_word,
+                octave,
+                point_m.x / wavelength,
+                point_m.y / wavelength,
+            );
         wavelength *= 0.5;
         amplitude *= 0.6;
     }
@@ -32,23 +39,23 @@ pub(super) fn albedo(seabed: &Seabed, seed: u64, point_m: &Vec3, footprint_m: f6
 }
 
 /// Smooth noise in [−1, 1] with a node at every integer.
-fn value_noise(seed: u64, octave: u32, x: f64, y: f64) -> f64 {
+fn value_noise(seed_word: u32, octave: u32, x: f64, y: f64) -> f64 {
     let (x0, y0) = (libm::floor(x), libm::floor(y));
     let smooth = |s: f64| s * s * s * (s * (6.0 * s - 15.0) + 10.0);
     let (sx, sy) = (smooth(x - x0), smooth(y - y0));
-    let node = |i: f64, j: f64| hash(seed, octave, (x0 + i) as i64, (y0 + j) as i64);
+    let node = |i: f64, j: f64| hash(seed_word, octave, (x0 + i) as i64, (y0 + j) as i64);
     let row = |j: f64| node(0.0, j) * (1.0 - sx) + node(1.0, j) * sx;
     row(0.0) * (1.0 - sy) + row(1.0) * sy
 }
 
-/// A number in [−1, 1) for a node (finaliser of `SplitMix64`).
-fn hash(seed: u64, octave: u32, i: i64, j: i64) -> f64 {
-    let mut z = seed
-        ^ u64::from(octave).wrapping_mul(0x9E37_79B9_7F4A_7C15)
-        ^ (i as u64).wrapping_mul(0xBF58_476D_1CE4_E5B9)
-        ^ (j as u64).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^= z >> 31;
-    (z >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+/// All of a scene's seed in 32 bits.
+pub(crate) fn seed_word(seed: u64) -> u32 {
+    pcg((seed >> 32) as u32 ^ pcg(seed as u32))
+}
+
+/// A number in [−1, 1) for a node: 24 bits, which `f32` holds too.
+fn hash(seed_word: u32, octave: u32, i: i64, j: i64) -> f64 {
+    let column = pcg((i as u32).wrapping_add(pcg(octave.wrapping_add(seed_word))));
+    let word = pcg((j as u32).wrapping_add(column));
+    f64::from(word >> 8) / f64::from(1 << 23) - 1.0
 }
