@@ -45,6 +45,9 @@ pub(crate) struct DemoArgs {
     /// Folder to write to
     #[arg(short, long, default_value = "rodsight-demo")]
     pub(crate) output: PathBuf,
+    /// What renders: auto takes a graphics card if there is one, or else the cpu, and says which and why
+    #[arg(long, value_enum, default_value_t = Backend::Auto)]
+    pub(crate) backend: Backend,
     /// Print result.json instead of tables
     #[arg(long)]
     pub(crate) json: bool,
@@ -64,7 +67,7 @@ pub(crate) struct RenderArgs {
     /// Folder to write to
     #[arg(short, long)]
     pub(crate) output: PathBuf,
-    /// What renders: auto takes the best there is and says which
+    /// What renders: auto takes a graphics card if there is one, or else the cpu, and says which and why
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     pub(crate) backend: Backend,
     /// Seed of texture and noise, instead of the scene's
@@ -77,11 +80,11 @@ pub(crate) struct RenderArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Backend {
-    /// The best there is
+    /// A graphics card if there is one, or else the cpu
     Auto,
     /// The f64 reference renderer
     Cpu,
-    /// A graphics card (not in this version: exits with 4)
+    /// A graphics card, or a software Vulkan driver; exits with 4 if there is neither
     Gpu,
 }
 

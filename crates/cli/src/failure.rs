@@ -61,10 +61,18 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
         .is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
-/// A scene this backend cannot do, a file that is no image, a disk that is full: all of it is for the user to mend.
+/// A scene this backend cannot do, a file that is no image, a disk that is full: all of it is for the user to mend. No adapter,
+/// or one too small, has its own code; one that fails in the middle is nobody's input.
 impl From<rodsight_render::RenderError> for Failure {
     fn from(error: rodsight_render::RenderError) -> Self {
-        Self::input(error)
+        use rodsight_render::RenderError as E;
+        match error {
+            E::NoAdapter { .. } | E::AdapterLimit { .. } => {
+                Self::NoAdapter(anyhow::Error::new(error).context("--backend gpu"))
+            }
+            E::Device { .. } => Self::failed(error),
+            error => Self::input(error),
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The `rodsight` command: arguments in, files and numbers out; the crates below do the work.
 
 mod args;
+mod backend;
 mod commands;
 mod failure;
 mod page;

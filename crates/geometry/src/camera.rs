@@ -180,6 +180,16 @@ impl Camera {
         self.model == Model::Pinhole
     }
 
+    /// Where the distortion folds the image over itself, beyond which nothing is seen: r² on the plane z = 1 for
+    /// [`Distortion::BrownConrady`], the angle to the axis in rad for [`Distortion::KannalaBrandt`].
+    pub fn fold(&self) -> f64 {
+        match &self.model {
+            Model::Pinhole => f64::INFINITY,
+            Model::BrownConrady(model) => model.fold_r2,
+            Model::KannalaBrandt(model) => model.fold_rad,
+        }
+    }
+
     /// The same camera without its distortion: the image that "undistorted" pixels live in.
     #[must_use]
     pub fn without_distortion(&self) -> Self {

@@ -3,12 +3,12 @@
 //! A pixel away from edges takes one ray through its centre; a pixel near an edge of instance, face, shadow or depth takes all
 //! samples of the edge pattern. Random numbers have no part in it.
 
-mod airlight_grid;
+pub(crate) mod airlight_grid;
 pub(crate) mod arc;
-mod light;
+pub(crate) mod light;
 pub(crate) mod rod;
-mod seabed;
-mod shadow;
+pub(crate) mod seabed;
+pub(crate) mod shadow;
 pub(crate) mod solid;
 pub(crate) mod world;
 
@@ -24,7 +24,7 @@ use crate::lattice::{edge_offsets, pixel_shift};
 use crate::{RenderError, Renderer};
 use airlight_grid::AirlightGrid;
 use solid::{Face, Ray};
-use world::{Hit, Thing, World, pixel_angle_rad};
+use world::{Hit, Thing, World, graze_rad};
 
 /// The `f64` reference renderer.
 #[derive(Clone, Copy, Debug, Default)]
@@ -104,22 +104,10 @@ impl CpuRenderer {
                 instead: "leave it out",
             });
         }
-        let intrinsics = scene.rig.eye(eye).camera.intrinsics();
-        let (width_px, height_px) = (intrinsics.width_px, intrinsics.height_px);
-        if u64::from(width_px) * u64::from(height_px) > RenderError::LARGEST_EYE_PX {
-            return Err(RenderError::TooLarge {
-                scene: scene.id.clone(),
-                eye: eye.name(),
-                width_px,
-                height_px,
-            });
-        }
+        RenderError::refuse_too_large(scene, eye)?;
         let world = World::new(scene);
         let mounted = *scene.rig.eye(eye);
-        let other = *scene.rig.eye(match eye {
-            Eye::Left => Eye::Right,
-            Eye::Right => Eye::Left,
-        });
+        let other = *scene.rig.eye(eye.other());
         let caster = Caster {
             world: &world,
             mounted,
@@ -128,8 +116,7 @@ impl CpuRenderer {
             other_from_rig: other.rig_from_camera.inverse(),
             eye,
             airlight: AirlightGrid::new(&world, &mounted),
-            // Half a diagonal of the pixel, and as much again: shading is steepest beside a limb.
-            graze_rad: 1.5 * pixel_angle_rad(&mounted.camera),
+            graze_rad: graze_rad(&mounted.camera),
         };
         Ok(caster.render(progress))
     }

@@ -12,6 +12,7 @@ mod cpu;
 mod develop;
 mod exr_file;
 mod frame;
+mod gpu;
 mod image_file;
 mod lattice;
 mod noise;
@@ -24,6 +25,7 @@ pub use cpu::CpuRenderer;
 pub use develop::{Developed, develop};
 pub use exr_file::read_exr;
 pub use frame::{EyeFrame, Frame, PixelTruth};
+pub use gpu::{AdapterChoice, GpuRenderer};
 pub use image_file::{read_image, write_image};
 pub use lattice::edge_offsets;
 pub use noise::Philox;
@@ -77,6 +79,21 @@ pub enum RenderError {
         width_px: u32,
         height_px: u32,
     },
+    #[error(
+        "no adapter: expected {wanted}, found none; install the card's driver or Mesa's software Vulkan (Debian and Ubuntu: apt install mesa-vulkan-drivers), or render with the cpu backend"
+    )]
+    NoAdapter { wanted: &'static str },
+    #[error(
+        "adapter {adapter}: {limit}: expected at least {wanted}, found {found}; render with the cpu backend"
+    )]
+    AdapterLimit {
+        adapter: String,
+        limit: &'static str,
+        wanted: u64,
+        found: u64,
+    },
+    #[error("adapter {adapter}: {message}")]
+    Device { adapter: String, message: String },
     #[error("{}: {message}", path.display())]
     Io {
         path: std::path::PathBuf,
@@ -87,4 +104,17 @@ pub enum RenderError {
 impl RenderError {
     /// Every pixel with its truth takes a hundred bytes: these are seven gigabytes an eye.
     pub const LARGEST_EYE_PX: u64 = 1 << 26;
+
+    fn refuse_too_large(scene: &Scene, eye: rodsight_geometry::Eye) -> Result<(), Self> {
+        let i = scene.rig.eye(eye).camera.intrinsics();
+        if u64::from(i.width_px) * u64::from(i.height_px) <= Self::LARGEST_EYE_PX {
+            return Ok(());
+        }
+        Err(Self::TooLarge {
+            scene: scene.id.clone(),
+            eye: eye.name(),
+            width_px: i.width_px,
+            height_px: i.height_px,
+        })
+    }
 }

@@ -53,7 +53,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let scene =
         Scene::from_toml(PAPER_SCENE, Path::new("scenes/paper.toml")).map_err(Failure::input)?;
     claim_output(&args.output)?;
-    let mut rendered = render(&scene)?;
+    let mut rendered = render(&scene, args.backend)?;
     write(&args.output, &scene, &mut rendered, Channels::LeftOut)?;
     let progress = Progress::busy("locating, drawing");
     let methods = solve_all(&scene, &rendered)?;
@@ -271,11 +271,12 @@ fn in_words(rendered: &Rendered, limit: Option<&Limit>, methods: &[Solved]) -> S
     };
     let truth = &rendered.truth;
     let mut text = format!(
-        "{} in {} water, rendered by the {} backend on {} in {:.1} s\n\n",
+        "{} in {} water, rendered by the {} backend on {} ({}) in {:.1} s\n\n",
         truth.scene,
         truth.water.label,
         truth.backend,
         truth.adapter,
+        rendered.why,
         rendered.timing_ms.render / 1e3
     );
     text += &text_table(compared_header(methods), comparison(truth, limit, methods));

@@ -3,13 +3,12 @@
 use std::path::Path;
 use std::time::Instant;
 
-use rodsight_render::{
-    CpuRenderer, Developed, Frame, PairPaths, Renderer, Truth, develop, write_pair,
-};
+use rodsight_render::{Developed, Frame, PairPaths, Truth, develop, write_pair};
 use rodsight_scene::Scene;
 use serde::Serialize;
 
 use crate::args::{Backend, RenderArgs};
+use crate::backend::Chosen;
 use crate::commands::{print_json, print_text};
 use crate::failure::{Failure, claim_output};
 use crate::progress::Progress;
@@ -19,6 +18,8 @@ pub(crate) struct Rendered {
     pub(crate) frame: Frame,
     pub(crate) developed: Developed,
     pub(crate) truth: Truth,
+    /// Why this backend.
+    pub(crate) why: String,
     pub(crate) timing_ms: RenderTiming,
 }
 
@@ -37,6 +38,7 @@ struct Summary<'a> {
     seed: u64,
     backend: &'a str,
     adapter: &'a str,
+    backend_reason: &'a str,
     files: Vec<String>,
     timing_ms: RenderTiming,
 }
@@ -46,14 +48,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(seed) = args.seed {
         scene.seed = seed;
     }
-    if args.backend == Backend::Gpu {
-        return Err(Failure::NoAdapter(anyhow::anyhow!(
-            "--backend gpu: expected a graphics card, found none: this version has the cpu backend only; leave the option out \
-             or say --backend cpu"
-        )));
-    }
     claim_output(&args.output)?;
-    let mut rendered = render(&scene).map_err(|failure| failure.of(&args.scene))?;
+    let mut rendered = render(&scene, args.backend).map_err(|failure| failure.of(&args.scene))?;
     let paths = write(&args.output, &scene, &mut rendered, Channels::Written)?;
     let files = [
         &paths.left_png,
@@ -71,6 +67,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             seed: scene.seed,
             backend: rendered.frame.backend,
             adapter: &rendered.frame.adapter,
+            backend_reason: &rendered.why,
             files: files
                 .iter()
                 .map(|path| path.display().to_string())
@@ -81,13 +78,14 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let [u_px, v_px] = rendered.truth.grasp.pick_px;
     let folder = args.output.display();
     print_text(&format!(
-        "{} rendered by the {} backend on {} (no other backend in this version) in {:.1} s, written in {:.1} s\n\
+        "{} rendered by the {} backend on {} ({}) in {:.1} s, written in {:.1} s\n\
          {folder}: left.png right.png left.exr right.exr rig.toml scene.toml truth.json\n\
          next: rodsight solve --left {folder}/left.png --right {folder}/right.png --rig {folder}/rig.toml \
          --pick {u_px:.1},{v_px:.1},{}\n",
         scene.id,
         rendered.frame.backend,
         rendered.frame.adapter,
+        rendered.why,
         rendered.timing_ms.render / 1e3,
         rendered.timing_ms.write / 1e3,
         rendered.truth.grasp.pick_eye.name(),
@@ -95,10 +93,11 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
 }
 
 /// Renders and develops a scene, with progress.
-pub(crate) fn render(scene: &Scene) -> Result<Rendered, Failure> {
+pub(crate) fn render(scene: &Scene, backend: Backend) -> Result<Rendered, Failure> {
+    let mut chosen = Chosen::new(backend)?;
     let progress = Progress::new(&format!("rendering {}", scene.id));
     let start = Instant::now();
-    let frame = CpuRenderer.render(scene, &|fraction| progress.set(fraction))?;
+    let frame = chosen.render(scene, &|fraction| progress.set(fraction))?;
     let render_ms = start.elapsed().as_secs_f64() * 1e3;
     let start = Instant::now();
     let developed = develop(&frame, scene)?;
@@ -113,6 +112,7 @@ pub(crate) fn render(scene: &Scene) -> Result<Rendered, Failure> {
         frame,
         developed,
         truth,
+        why: chosen.why,
         timing_ms: RenderTiming {
             render: render_ms,
             develop: develop_ms,

@@ -64,6 +64,19 @@ pub(crate) fn rodsight_in<S: AsRef<std::ffi::OsStr>>(folder: &Path, args: &[S]) 
     Run::of(&output)
 }
 
+/// A run of the program where no Vulkan driver is found, all paths absolute. Other systems have other interfaces.
+#[cfg(target_os = "linux")]
+pub(crate) fn rodsight_without_driver(args: &[&str]) -> Run {
+    let output = assert_cmd::Command::new(env!("CARGO_BIN_EXE_rodsight"))
+        .current_dir(env!("CARGO_TARGET_TMPDIR"))
+        .envs(["VK_DRIVER_FILES", "VK_ICD_FILENAMES"].map(|name| (name, "/no/driver.json")))
+        .args(args)
+        .timeout(Duration::from_secs(300))
+        .output()
+        .expect("the program starts");
+    Run::of(&output)
+}
+
 /// A run of the program, all paths absolute.
 pub(crate) fn rodsight<S: AsRef<std::ffi::OsStr>>(args: &[S]) -> Run {
     rodsight_in(Path::new(env!("CARGO_TARGET_TMPDIR")), args)

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use rodsight_render::{read_exr, read_image};
 
-use crate::harness::{SMALL, folder, names, pair, read_json, rodsight, rodsight_in, text};
+use crate::harness::{
+    SMALL, folder, names, pair, read_json, rodsight, rodsight_in, rodsight_without_driver, text,
+};
 
 const FILES: [&str; 7] = [
     "left.exr",
@@ -205,25 +207,34 @@ fn render_over_an_older_pair_leaves_nothing_of_it() {
 }
 
 #[test]
-fn render_without_a_graphics_card_is_code_4() {
+#[cfg(target_os = "linux")]
+fn render_without_an_adapter_is_code_4_and_auto_takes_the_cpu() {
     let folder = folder();
     let scene = pair().join("scene.toml");
     let output = folder.path().join("out");
-    rodsight(&[
-        "render",
-        text(&scene),
-        "-o",
-        text(&output),
-        "--backend",
-        "gpu",
-    ])
-    .failed(
+    let args = |backend| {
+        let file = text(&scene);
+        [
+            "render",
+            file,
+            "-o",
+            text(&output),
+            "--json",
+            "--backend",
+            backend,
+        ]
+    };
+    rodsight_without_driver(&args("gpu")).failed(
         4,
         &[
             "--backend gpu",
-            "expected a graphics card",
-            "cpu backend only",
+            "no adapter",
+            "apt install mesa-vulkan-drivers",
+            "cpu backend",
         ],
     );
     assert!(!output.exists());
+    let summary = rodsight_without_driver(&args("auto")).json();
+    assert_eq!(summary["backend"], "cpu");
+    assert_eq!(summary["backend_reason"], "no graphics card found");
 }

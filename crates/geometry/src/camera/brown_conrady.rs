@@ -8,7 +8,7 @@ pub(super) struct BrownConrady {
     k: [f64; 3],
     p: [f64; 2],
     /// r² of the first fold of the radial polynomial; beyond it the formula draws ghosts.
-    fold_r2: f64,
+    pub(super) fold_r2: f64,
 }
 
 /// r up to which a fold is looked for: 84° off axis, beyond which this model is not used.

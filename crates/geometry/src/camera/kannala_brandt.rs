@@ -9,7 +9,7 @@ use crate::Vec3;
 pub(super) struct KannalaBrandt {
     k: [f64; 4],
     /// θ of the first fold, or π.
-    fold_rad: f64,
+    pub(super) fold_rad: f64,
 }
 
 impl KannalaBrandt {

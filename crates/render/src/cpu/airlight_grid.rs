@@ -17,7 +17,7 @@ use crate::noise::Philox;
 /// Corner spacings that are tried, px.
 const SPACINGS_PX: [u32; 3] = [32, 16, 8];
 /// Steps of s from the camera to infinity.
-const STEPS: usize = 32;
+pub(crate) const STEPS: usize = 32;
 /// Midpoints of a step: 128 on the whole ray.
 const STEP_POINTS: u32 = 4;
 /// Random places where the table is held against the integral itself.
@@ -32,18 +32,18 @@ type Knot = [Bands; 2];
 
 /// The unshadowed airlight of all lamps, W m⁻² sr⁻¹.
 #[derive(Debug)]
-pub(super) struct AirlightGrid {
-    columns: usize,
-    rows: usize,
+pub(crate) struct AirlightGrid {
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
     /// Corners per pixel.
-    scale: [f64; 2],
-    half_way_m: f64,
+    pub(crate) scale: [f64; 2],
+    pub(crate) half_way_m: f64,
     /// Shape `[rows, columns, STEPS + 1]`; empty where no table is good enough, and each ray is summed.
-    knots: Vec<Knot>,
+    pub(crate) knots: Vec<Knot>,
 }
 
 impl AirlightGrid {
-    pub(super) fn new(world: &World<'_>, mounted: &MountedCamera) -> Self {
+    pub(crate) fn new(world: &World<'_>, mounted: &MountedCamera) -> Self {
         let camera_m = mounted.rig_from_camera.origin_m();
         let distances = world
             .lamps

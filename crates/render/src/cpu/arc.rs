@@ -10,7 +10,7 @@ pub(crate) struct Arc {
     direction: Vec3,
     towards: Vec3,
     /// 1/R; zero for a straight rod.
-    pub(super) curvature_per_m: f64,
+    pub(crate) curvature_per_m: f64,
 }
 
 impl Arc {
@@ -40,6 +40,11 @@ impl Arc {
                 + (self.direction * sin + self.towards * versine) / self.curvature_per_m,
             direction: self.direction * cos + self.towards * sin,
         }
+    }
+
+    /// Unit vector to the arc's centre from where it has a tangent; zero for a straight rod.
+    pub(crate) fn inward(&self, tangent: &Vec3) -> Vec3 {
+        self.towards * tangent.dot(&self.direction) - self.direction * tangent.dot(&self.towards)
     }
 
     /// Arc length of the point of the curve nearest to `point_m`.

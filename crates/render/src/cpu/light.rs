@@ -28,11 +28,11 @@ pub(super) fn cone(lamp: &LampLight, direction: &Vec3) -> f64 {
 
 /// A lamp with what can be computed once.
 #[derive(Clone, Debug)]
-pub(super) struct LampLight {
-    pub(super) lamp: Lamp,
-    cos_inner: f64,
-    cos_outer: f64,
-    shadows: Shadows,
+pub(crate) struct LampLight {
+    pub(crate) lamp: Lamp,
+    pub(crate) cos_inner: f64,
+    pub(crate) cos_outer: f64,
+    pub(crate) shadows: Shadows,
 }
 
 impl LampLight {

@@ -12,7 +12,7 @@ use crate::bvh::{Bounds, Bvh};
 pub(crate) struct RodSolid {
     pub(crate) arc: Arc,
     /// One piece, or a chain along the arc.
-    segments: Vec<Capped>,
+    pub(crate) segments: Vec<Capped>,
     /// A few pieces that stand for the rod where only its shadow in the water is asked for.
     pub(crate) silhouette: Vec<Capped>,
 }
@@ -63,8 +63,8 @@ impl RodSolid {
 pub(crate) struct Rods {
     pub(crate) solids: Vec<RodSolid>,
     /// Every segment of every rod, as (rod, segment).
-    pieces: Vec<(usize, usize)>,
-    tree: Bvh,
+    pub(crate) pieces: Vec<(usize, usize)>,
+    pub(crate) tree: Bvh,
 }
 
 impl Rods {

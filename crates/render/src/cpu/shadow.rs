@@ -11,20 +11,20 @@ const GAP: f64 = 1e-6;
 
 /// What may stand in the light of one lamp: straight pieces of rods.
 #[derive(Clone, Debug)]
-pub(super) struct Shadows {
+pub(crate) struct Shadows {
     lamp_m: Vec3,
-    casters: Vec<Caster>,
+    pub(crate) casters: Vec<Caster>,
 }
 
 /// A capped cylinder as its lamp sees it. Vectors are from the lamp.
 #[derive(Clone, Debug)]
-struct Caster {
-    piece: Capped,
+pub(crate) struct Caster {
+    pub(crate) piece: Capped,
     centre_m: Vec3,
-    bounding_radius_m: f64,
+    pub(crate) bounding_radius_m: f64,
     /// The lines along which the two planes through the lamp touch the side, by their point beside the piece's centre; none if
     /// the lamp looks at a cap only.
-    touching_m: Option<[Vec3; 2]>,
+    pub(crate) touching_m: Option<[Vec3; 2]>,
 }
 
 /// The plane of a lamp and a ray: unit vectors, and the lamp's distance from the ray.

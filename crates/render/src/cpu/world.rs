@@ -13,14 +13,14 @@ use super::solid::{Face, Ray};
 #[derive(Debug)]
 pub(crate) struct World<'a> {
     pub(crate) scene: &'a Scene,
-    pub(super) rods: Rods,
-    pub(super) lamps: Vec<LampLight>,
+    pub(crate) rods: Rods,
+    pub(crate) lamps: Vec<LampLight>,
     /// Attenuation on every leg: c, or nothing in mode `air`.
-    pub(super) attenuation_per_m: Bands,
+    pub(crate) attenuation_per_m: Bands,
     /// Beyond this the water sends no more light, m.
-    pub(super) horizon_m: f64,
+    pub(crate) horizon_m: f64,
     /// Angle between the rays of neighbouring pixels of the coarser eye, rad: one for both, so that textures agree.
-    footprint_rad: f64,
+    pub(crate) footprint_rad: f64,
 }
 
 /// What a ray meets first.
@@ -147,6 +147,12 @@ impl<'a> World<'a> {
             }
         }
     }
+}
+
+/// Rays nearer than this to a limb take all samples: half a diagonal of the pixel, and as much again, as shading is steepest beside
+/// a limb.
+pub(crate) fn graze_rad(camera: &Camera) -> f64 {
+    1.5 * pixel_angle_rad(camera)
 }
 
 /// The largest angle between the rays of neighbouring pixels, rad. A pinhole has it at its principal point, 1/f; a distorted lens is

@@ -6,7 +6,8 @@
 #![allow(
     dead_code,
     clippy::allow_attributes,
-    reason = "no test binary uses all of it"
+    clippy::print_stdout,
+    reason = "no test binary uses all of it; what is skipped is said"
 )]
 
 use rodsight_geometry::{
@@ -213,5 +214,39 @@ pub const KANNALA: Distortion = Distortion::KannalaBrandt([0.02, -0.004, 0.001, 
 pub fn distorted(distortion: Distortion, mut scene: Scene) -> Scene {
     scene.rig.left.camera = lens(distortion);
     scene.rig.right.camera = lens(distortion);
+    scene
+}
+
+/// The graphics backend, on a card or a software driver. Without an adapter it says so and there is none, unless
+/// `RODSIGHT_REQUIRE_GPU=1` demands one.
+pub fn gpu() -> Option<rodsight_render::GpuRenderer> {
+    use rodsight_render::{AdapterChoice, GpuRenderer, RenderError};
+    match GpuRenderer::new(AdapterChoice::HardwareOrSoftware) {
+        Ok(renderer) => Some(renderer),
+        Err(error @ RenderError::NoAdapter { .. })
+            if std::env::var("RODSIGHT_REQUIRE_GPU").as_deref() != Ok("1") =>
+        {
+            println!("SKIPPED: {error}");
+            None
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// The scene at a fraction of its resolution.
+pub fn shrunk(mut scene: Scene, shrink: u32) -> Scene {
+    let scale = f64::from(shrink);
+    for mounted in [&mut scene.rig.left, &mut scene.rig.right] {
+        let i = *mounted.camera.intrinsics();
+        let intrinsics = Intrinsics {
+            width_px: i.width_px / shrink,
+            height_px: i.height_px / shrink,
+            fx_px: i.fx_px / scale,
+            fy_px: i.fy_px / scale,
+            cx_px: i.cx_px / scale,
+            cy_px: i.cy_px / scale,
+        };
+        mounted.camera = Camera::new(intrinsics, *mounted.camera.distortion()).unwrap();
+    }
     scene
 }

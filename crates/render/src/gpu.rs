@@ -1,0 +1,230 @@
+//! The graphics backend: the same rays in `f32`, cast by compute shaders through `wgpu`, which no other module names.
+//!
+//! The scene is prepared by the reference backend's [`World`], in `f64`, and sent over relative to the centre of each eye. An image
+//! is cut into tiles of rows that the adapter's buffers hold; tiles and the order of edges in a tile change no value.
+
+mod device;
+mod layout;
+mod passes;
+mod tile;
+mod upload;
+
+use rodsight_geometry::Eye;
+use rodsight_scene::{Finish, Mode, Scene};
+
+pub use device::AdapterChoice;
+
+use crate::cpu::world::World;
+use crate::frame::{EyeFrame, Frame, PixelTruth};
+use crate::{RenderError, Renderer};
+use device::Gpu;
+use passes::Passes;
+use tile::{Tile, TileBuffers};
+use upload::Upload;
+
+/// Pixels of a tile, where the adapter allows it: enough to keep any card busy, and 60 MB of buffers.
+const TILE_PIXELS: u64 = 1 << 19;
+
+/// The renderer on a graphics card, or on a software driver for one.
+#[derive(Debug)]
+pub struct GpuRenderer {
+    device: Gpu,
+    passes: Passes,
+    tile_pixels: u64,
+}
+
+impl GpuRenderer {
+    /// Opens the best adapter there is.
+    ///
+    /// # Errors
+    /// No adapter, one whose limits are too small, or one that fails.
+    pub fn new(choice: AdapterChoice) -> Result<Self, RenderError> {
+        let device = Gpu::new(choice)?;
+        Ok(Self {
+            passes: Passes::new(&device)?,
+            device,
+            tile_pixels: TILE_PIXELS,
+        })
+    }
+
+    /// Renders at most so many pixels at a time (at least three rows of the image): less memory, the same bytes.
+    #[must_use]
+    pub fn with_tile_pixels(self, tile_pixels: u64) -> Self {
+        Self {
+            tile_pixels,
+            ..self
+        }
+    }
+
+    /// The tiles of both eyes, left and right in turn.
+    fn tiles(&self, scene: &Scene) -> Result<Vec<(Eye, Tile)>, RenderError> {
+        let mut tiles = Vec::new();
+        for eye in Eye::BOTH {
+            let i = scene.rig.eye(eye).camera.intrinsics();
+            let cut = Tile::cut(&self.device, i.width_px, i.height_px, self.tile_pixels)?;
+            tiles.extend(cut.into_iter().enumerate().map(|(i, tile)| (i, eye, tile)));
+        }
+        // Stable: left before right.
+        tiles.sort_by_key(|(i, ..)| *i);
+        Ok(tiles
+            .into_iter()
+            .map(|(_, eye, tile)| (eye, tile))
+            .collect())
+    }
+
+    /// The scene's buffers as one eye sees them.
+    fn bind(&self, world: &World<'_>, eye: Eye) -> Result<wgpu::BindGroup, RenderError> {
+        use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+        let upload = Upload::new(world, eye);
+        let limit = self.device.limits.max_storage_buffer_binding_size;
+        for (label, contents) in &upload.storage {
+            self.device.check(label, contents.len() as u64, limit)?;
+        }
+        let buffer = |label, contents, usage| {
+            self.device
+                .device
+                .create_buffer_init(&BufferInitDescriptor {
+                    label: Some(label),
+                    contents,
+                    usage,
+                })
+        };
+        let mut buffers = vec![buffer("frame", &upload.frame, wgpu::BufferUsages::UNIFORM)];
+        buffers.extend(
+            upload
+                .storage
+                .iter()
+                .map(|(label, contents)| buffer(label, contents, wgpu::BufferUsages::STORAGE)),
+        );
+        let buffers: Vec<&wgpu::Buffer> = buffers.iter().collect();
+        Ok(tile::bind_group(
+            &self.device.device,
+            "scene",
+            &self.passes.scene,
+            &buffers,
+        ))
+    }
+
+    fn submit(
+        &self,
+        scene: &wgpu::BindGroup,
+        buffers: &TileBuffers,
+        tile: &Tile,
+    ) -> wgpu::SubmissionIndex {
+        let Gpu { device, queue, .. } = &self.device;
+        buffers.prepare(&self.device, tile);
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.passes.encode(&mut encoder, scene, buffers, tile);
+        buffers.encode_copy(&mut encoder, tile);
+        queue.submit([encoder.finish()])
+    }
+
+    fn render_pair(
+        &self,
+        scene: &Scene,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<[EyeFrame; 2], RenderError> {
+        let tiles = self.tiles(scene)?;
+        let world = World::new(scene);
+        let groups = [
+            self.bind(&world, Eye::Left)?,
+            self.bind(&world, Eye::Right)?,
+        ];
+        let largest = |eye| {
+            let of_eye = tiles.iter().filter(|(e, _)| *e == eye);
+            of_eye.map(|(_, tile)| tile.pixels()).max().unwrap_or(0)
+        };
+        let buffers =
+            Eye::BOTH.map(|eye| TileBuffers::new(&self.device, &self.passes, largest(eye)));
+        let mut eyes = Eye::BOTH.map(|eye| {
+            let i = scene.rig.eye(eye).camera.intrinsics();
+            EyeFrame {
+                width_px: i.width_px,
+                height_px: i.height_px,
+                pixels: vec![PixelTruth::NOTHING; i.width_px as usize * i.height_px as usize],
+            }
+        });
+        let read = |(eye, tile, submission): (Eye, &Tile, _), eyes: &mut [EyeFrame; 2]| {
+            let width = tile.width as usize;
+            let rows = tile.kept.start as usize * width..tile.kept.end as usize * width;
+            let pixels = &mut eyes[eye as usize].pixels[rows];
+            buffers[eye as usize].read(&self.device, submission, tile, pixels)
+        };
+        // While one eye's tile is read the other eye's is computed.
+        let mut before: Option<(Eye, &Tile, wgpu::SubmissionIndex)> = None;
+        for (done, (eye, tile)) in tiles.iter().enumerate() {
+            if let Some(pending) = before.take_if(|(there, ..)| there == eye) {
+                read(pending, &mut eyes)?;
+            }
+            let submission = self.submit(&groups[*eye as usize], &buffers[*eye as usize], tile);
+            if let Some(pending) = before.replace((*eye, tile, submission)) {
+                read(pending, &mut eyes)?;
+            }
+            progress(done as f64 / tiles.len() as f64);
+        }
+        if let Some(pending) = before {
+            read(pending, &mut eyes)?;
+        }
+        progress(1.0);
+        Ok(eyes)
+    }
+}
+
+/// What a scene asks for and these shaders do not do, and what to do about it.
+fn missing(scene: &Scene) -> Option<(&'static str, &'static str)> {
+    let seabed = scene.seabed.as_ref();
+    let features = [
+        ("mode \"full\"", scene.mode == Mode::Full),
+        ("[[occluder]]", !scene.occluders.is_empty()),
+        ("[[prop]]", !scene.props.is_empty()),
+        (
+            "[rod.surface]",
+            scene
+                .rods
+                .iter()
+                .any(|rod| rod.finish != Finish::default() || rod.fouling.is_some()),
+        ),
+        (
+            "[seabed.ripples]",
+            seabed.is_some_and(|s| s.ripples.is_some()),
+        ),
+        (
+            "[seabed.clutter]",
+            seabed.is_some_and(|s| s.clutter.is_some()),
+        ),
+    ];
+    let missing = features.into_iter().find(|(_, used)| *used);
+    missing.map(|(feature, _)| (feature, "render it with the cpu backend"))
+}
+
+impl Renderer for GpuRenderer {
+    fn backend(&self) -> &'static str {
+        "gpu"
+    }
+
+    fn adapter(&self) -> String {
+        self.device.adapter.clone()
+    }
+
+    fn render(&self, scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Result<Frame, RenderError> {
+        if let Some((feature, instead)) = missing(scene) {
+            return Err(RenderError::Unsupported {
+                scene: scene.id.clone(),
+                backend: self.backend(),
+                feature,
+                instead,
+            });
+        }
+        for eye in Eye::BOTH {
+            RenderError::refuse_too_large(scene, eye)?;
+        }
+        let [left, right] = self.device.watched(|| self.render_pair(scene, progress))?;
+        Ok(Frame {
+            left,
+            right,
+            backend: self.backend(),
+            adapter: self.adapter(),
+        })
+    }
+}

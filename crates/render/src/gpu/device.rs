@@ -1,0 +1,205 @@
+//! The adapter that is chosen, the device on it, and what it may fail with.
+
+use core::time::Duration;
+use std::sync::{Arc, Mutex};
+
+use wgpu::{DeviceType, ErrorFilter};
+
+use crate::RenderError;
+
+/// Storage buffers that one pass binds.
+const STORAGE_BUFFERS: u32 = 13;
+/// A submission is a tile; one that takes longer than this hangs.
+const LONGEST_WAIT: Duration = Duration::from_secs(600);
+
+/// Which adapters will do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AdapterChoice {
+    /// Graphics hardware only.
+    Hardware,
+    /// Hardware, or else a driver that computes on the processor.
+    HardwareOrSoftware,
+}
+
+/// A device and its queue.
+#[derive(Debug)]
+pub(super) struct Gpu {
+    pub(super) device: wgpu::Device,
+    pub(super) queue: wgpu::Queue,
+    pub(super) limits: wgpu::Limits,
+    /// Name, driver and interface, as it stands in records.
+    pub(super) adapter: String,
+    /// What went wrong outside of any scope: a lost device.
+    lost: Arc<Mutex<Option<String>>>,
+}
+
+/// Whether the system shows a card at all. Asking the drivers instead would load those that compute on the processor too, a second's
+/// work, only to turn them down.
+fn may_have_hardware() -> bool {
+    const NODES: [&str; 6] = [
+        "/dev/dri",
+        "/dev/nvidiactl",
+        "/dev/dxg",
+        "/dev/kgsl-3d0",
+        "/dev/mali0",
+        "/dev/nvhost-gpu",
+    ];
+    !cfg!(target_os = "linux") || NODES.iter().any(|node| std::path::Path::new(node).exists())
+}
+
+impl Gpu {
+    pub(super) fn new(choice: AdapterChoice) -> Result<Self, RenderError> {
+        if choice == AdapterChoice::Hardware && !may_have_hardware() {
+            return Err(RenderError::NoAdapter {
+                wanted: "a graphics card",
+            });
+        }
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+        adapters.retain(|adapter| {
+            choice == AdapterChoice::HardwareOrSoftware
+                || adapter.get_info().device_type != DeviceType::Cpu
+        });
+        // The sort is stable: among equals the first that the driver names.
+        adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
+            DeviceType::DiscreteGpu => 0,
+            DeviceType::IntegratedGpu => 1,
+            DeviceType::VirtualGpu => 2,
+            DeviceType::Other => 3,
+            DeviceType::Cpu => 4,
+        });
+        let Some(adapter) = adapters.first() else {
+            return Err(RenderError::NoAdapter {
+                wanted: match choice {
+                    AdapterChoice::Hardware => "a graphics card",
+                    AdapterChoice::HardwareOrSoftware => "a graphics card or a software driver",
+                },
+            });
+        };
+        Self::on(adapter)
+    }
+
+    fn on(adapter: &wgpu::Adapter) -> Result<Self, RenderError> {
+        let info = adapter.get_info();
+        let name = format!(
+            "{} ({} {}, {})",
+            info.name, info.driver, info.driver_info, info.backend
+        );
+        let limits = adapter.limits();
+        let check = |limit, wanted: u64, found: u64| {
+            if found >= wanted {
+                return Ok(());
+            }
+            Err(RenderError::AdapterLimit {
+                adapter: name.clone(),
+                limit,
+                wanted,
+                found,
+            })
+        };
+        check(
+            "storage buffers per shader stage",
+            STORAGE_BUFFERS.into(),
+            limits.max_storage_buffers_per_shader_stage.into(),
+        )?;
+        check("bind groups", 3, limits.max_bind_groups.into())?;
+        check(
+            "invocations per workgroup",
+            64,
+            limits.max_compute_invocations_per_workgroup.into(),
+        )?;
+        let refused = |error: &dyn core::fmt::Display| RenderError::Device {
+            adapter: name.clone(),
+            message: error.to_string(),
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("rodsight"),
+            required_limits: limits.clone(),
+            ..wgpu::DeviceDescriptor::default()
+        }))
+        .map_err(|error| refused(&error))?;
+        let lost = Arc::new(Mutex::new(None));
+        let note = Arc::clone(&lost);
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                note.lock()
+                    .expect("nobody panics with it")
+                    .get_or_insert(message);
+            }
+        });
+        let note = Arc::clone(&lost);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            note.lock()
+                .expect("nobody panics with it")
+                .get_or_insert(error.to_string());
+        }));
+        Ok(Self {
+            device,
+            queue,
+            limits,
+            adapter: name,
+            lost,
+        })
+    }
+
+    pub(super) fn error(&self, message: impl Into<String>) -> RenderError {
+        RenderError::Device {
+            adapter: self.adapter.clone(),
+            message: message.into(),
+        }
+    }
+
+    /// Whether a limit of the adapter is kept.
+    pub(super) fn check(
+        &self,
+        limit: &'static str,
+        wanted: u64,
+        found: u64,
+    ) -> Result<(), RenderError> {
+        if wanted <= found {
+            return Ok(());
+        }
+        Err(RenderError::AdapterLimit {
+            adapter: self.adapter.clone(),
+            limit,
+            wanted,
+            found,
+        })
+    }
+
+    /// Runs something and reports what the device found wrong in it.
+    pub(super) fn watched<T>(
+        &self,
+        work: impl FnOnce() -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
+        let scopes = [
+            ErrorFilter::Validation,
+            ErrorFilter::Internal,
+            ErrorFilter::OutOfMemory,
+        ]
+        .map(|filter| self.device.push_error_scope(filter));
+        let result = work();
+        let mut found = None;
+        for scope in scopes.into_iter().rev() {
+            found = pollster::block_on(scope.pop()).or(found);
+        }
+        if let Some(error) = found {
+            return Err(self.error(error.to_string()));
+        }
+        if let Some(message) = self.lost.lock().expect("nobody panics with it").clone() {
+            return Err(self.error(message));
+        }
+        result
+    }
+
+    /// Waits for a submission.
+    pub(super) fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), RenderError> {
+        self.device
+            .poll(wgpu::PollType::Wait {
+                submission_index: Some(submission),
+                timeout: Some(LONGEST_WAIT),
+            })
+            .map(|_| ())
+            .map_err(|error| self.error(format!("waiting for a submission: {error}")))
+    }
+}

@@ -1,0 +1,270 @@
+//! Tiles: as many rows of an image as the adapter's buffers take at a time, and the way back of their pixels.
+
+use core::ops::Range;
+
+use encase::ShaderSize;
+use wgpu::BufferUsages;
+
+use super::device::Gpu;
+use super::layout;
+use super::passes::Passes;
+use crate::RenderError;
+use crate::frame::PixelTruth;
+
+/// Planes of the buffers, 4 bytes a pixel each; see `tile.wgsl`.
+const KEY_PLANES: u64 = 3;
+const LIGHT_PLANES: u64 = 9;
+const SURFACE_PLANES: u64 = 10;
+
+const TAG_INSTANCE: u32 = 0xffff;
+const TAG_IN_VIEW: u32 = 0x1_0000;
+const TAG_OCCLUDED: u32 = 0x2_0000;
+
+/// Some rows of an image.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Tile {
+    pub(super) width: u32,
+    /// Rows that are cast: those that are kept and, where there are any, their neighbours.
+    pub(super) cast: Range<u32>,
+    pub(super) kept: Range<u32>,
+}
+
+impl Tile {
+    /// Cuts an image into tiles of at most so many pixels.
+    pub(super) fn cut(
+        device: &Gpu,
+        width: u32,
+        height: u32,
+        most_pixels: u64,
+    ) -> Result<Vec<Self>, RenderError> {
+        let limits = &device.limits;
+        let binding = limits
+            .max_storage_buffer_binding_size
+            .min(limits.max_buffer_size);
+        // The copy back holds light and surface in one buffer.
+        let pixels = (binding / (4 * SURFACE_PLANES))
+            .min(limits.max_buffer_size / (4 * (LIGHT_PLANES + SURFACE_PLANES)))
+            .min(u64::from(limits.max_compute_workgroups_per_dimension) * 64);
+        // One row with its neighbours must fit.
+        device.check("pixels of a tile", 3 * u64::from(width), pixels)?;
+        device.check(
+            "workgroups per dimension",
+            u64::from(width.div_ceil(8)),
+            limits.max_compute_workgroups_per_dimension.into(),
+        )?;
+        let rows = (most_pixels.min(pixels) / u64::from(width))
+            .saturating_sub(2)
+            .max(1);
+        let rows = u32::try_from(rows).unwrap_or(u32::MAX).min(height);
+        Ok((0..height.div_ceil(rows))
+            .map(|i| {
+                let kept = i * rows..(i * rows).saturating_add(rows).min(height);
+                Self {
+                    width,
+                    cast: kept.start.saturating_sub(1)..(kept.end + 1).min(height),
+                    kept,
+                }
+            })
+            .collect())
+    }
+
+    pub(super) fn pixels(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.cast.end - self.cast.start)
+    }
+
+    pub(super) fn rows(&self) -> u32 {
+        self.cast.end - self.cast.start
+    }
+}
+
+/// The buffers of a tile, used again by the next one.
+#[derive(Debug)]
+pub(super) struct TileBuffers {
+    uniform: wgpu::Buffer,
+    light: wgpu::Buffer,
+    surface: wgpu::Buffer,
+    pub(super) indirect: wgpu::Buffer,
+    back: wgpu::Buffer,
+    pub(super) group: wgpu::BindGroup,
+    pub(super) written: wgpu::BindGroup,
+    pub(super) read: wgpu::BindGroup,
+}
+
+impl TileBuffers {
+    /// Buffers for tiles up to a size.
+    pub(super) fn new(device: &Gpu, passes: &Passes, largest: u64) -> Self {
+        let d = &device.device;
+        let buffer = |label, size, usage| {
+            d.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let copied = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        let uniform = buffer(
+            "tile",
+            layout::Tile::SHADER_SIZE.get(),
+            BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+        );
+        let keys = buffer("keys", 4 * KEY_PLANES * largest, BufferUsages::STORAGE);
+        let light = buffer("light", 4 * LIGHT_PLANES * largest, copied);
+        let surface = buffer("surface", 4 * SURFACE_PLANES * largest, copied);
+        let edges = buffer("edges", 4 * largest, BufferUsages::STORAGE);
+        let indirect = buffer(
+            "edge count",
+            layout::Indirect::SHADER_SIZE.get(),
+            BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_DST,
+        );
+        let back = buffer(
+            "back",
+            4 * (LIGHT_PLANES + SURFACE_PLANES) * largest,
+            BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+        );
+        let bind = |label, layout, buffers: &[&wgpu::Buffer]| bind_group(d, label, layout, buffers);
+        Self {
+            group: bind(
+                "tile",
+                &passes.tile,
+                &[&uniform, &keys, &light, &surface, &edges],
+            ),
+            written: bind("edge count, written", &passes.written, &[&indirect]),
+            read: bind("edge count, read", &passes.read, &[&indirect]),
+            uniform,
+            light,
+            surface,
+            indirect,
+            back,
+        }
+    }
+
+    /// Makes the buffers ready for a tile.
+    pub(super) fn prepare(&self, device: &Gpu, tile: &Tile) {
+        let header = layout::Tile {
+            width: tile.width,
+            first_row: tile.cast.start,
+            rows: tile.rows(),
+            kept_from: tile.kept.start - tile.cast.start,
+            kept_to: tile.kept.end - tile.cast.start,
+        };
+        let mut bytes = encase::UniformBuffer::new(Vec::new());
+        bytes.write(&header).expect("a vector grows");
+        device
+            .queue
+            .write_buffer(&self.uniform, 0, &bytes.into_inner());
+        let none = layout::Indirect {
+            x: 0,
+            y: 1,
+            z: 1,
+            count: 0,
+        };
+        let mut bytes = encase::StorageBuffer::new(Vec::new());
+        bytes.write(&none).expect("a vector grows");
+        device
+            .queue
+            .write_buffer(&self.indirect, 0, &bytes.into_inner());
+    }
+
+    /// Copies the planes where they can be read.
+    pub(super) fn encode_copy(&self, encoder: &mut wgpu::CommandEncoder, tile: &Tile) {
+        let (light, surface) = (
+            4 * LIGHT_PLANES * tile.pixels(),
+            4 * SURFACE_PLANES * tile.pixels(),
+        );
+        encoder.copy_buffer_to_buffer(&self.light, 0, &self.back, 0, light);
+        encoder.copy_buffer_to_buffer(&self.surface, 0, &self.back, light, surface);
+    }
+
+    /// Waits for a tile and writes its pixels into the rows of its image that it keeps.
+    pub(super) fn read(
+        &self,
+        device: &Gpu,
+        submission: wgpu::SubmissionIndex,
+        tile: &Tile,
+        rows: &mut [PixelTruth],
+    ) -> Result<(), RenderError> {
+        let size = 4 * (LIGHT_PLANES + SURFACE_PLANES) * tile.pixels();
+        let (tell, told) = std::sync::mpsc::channel();
+        self.back
+            .map_async(wgpu::MapMode::Read, 0..size, move |result| {
+                // Nobody listens any more when the wait below has failed.
+                tell.send(result).ok();
+            });
+        device.wait(submission)?;
+        told.try_recv()
+            .map_err(|_| device.error("the pixels of a finished submission cannot be read"))?
+            .map_err(|error| device.error(error.to_string()))?;
+        let view = self
+            .back
+            .get_mapped_range(0..size)
+            .map_err(|error| device.error(error.to_string()))?;
+        unpack(&view, tile, rows);
+        drop(view);
+        self.back.unmap();
+        Ok(())
+    }
+}
+
+pub(super) fn bind_group(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    buffers: &[&wgpu::Buffer],
+) -> wgpu::BindGroup {
+    let entries: Vec<wgpu::BindGroupEntry<'_>> = buffers
+        .iter()
+        .enumerate()
+        .map(|(i, buffer)| wgpu::BindGroupEntry {
+            binding: i as u32,
+            resource: buffer.as_entire_binding(),
+        })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some(label),
+        layout,
+        entries: &entries,
+    })
+}
+
+/// Planes to pixels.
+fn unpack(bytes: &[u8], tile: &Tile, rows: &mut [PixelTruth]) {
+    use rayon::prelude::*;
+
+    let (words, _) = bytes.as_chunks::<4>();
+    let (width, pixels) = (tile.width as usize, tile.pixels() as usize);
+    let first = (tile.kept.start - tile.cast.start) as usize * width;
+    rows.par_chunks_mut(width)
+        .enumerate()
+        .for_each(|(row, out)| {
+            for (column, out) in out.iter_mut().enumerate() {
+                let at = first + row * width + column;
+                let value = |plane: usize| f32::from_le_bytes(words[plane * pixels + at]);
+                let three = |plane: usize| [value(plane), value(plane + 1), value(plane + 2)];
+                let (direct, backscatter) = (three(0), three(3));
+                let surface = LIGHT_PLANES as usize;
+                let tag = value(surface + 9).to_bits();
+                let mut pixel = PixelTruth {
+                    radiance: core::array::from_fn(|k| direct[k] + backscatter[k]),
+                    direct,
+                    backscatter,
+                    clean: three(6),
+                    transmission: three(surface),
+                    ..PixelTruth::NOTHING
+                };
+                let instance = tag & TAG_INSTANCE;
+                if instance != 0 {
+                    pixel.normal = three(surface + 3);
+                    pixel.depth_m = value(surface + 6);
+                    pixel.range_m = value(surface + 7);
+                    pixel.instance = instance as u16;
+                    pixel.material = instance.min(2) as u16;
+                    pixel.occluded = tag & TAG_OCCLUDED != 0;
+                    if tag & TAG_IN_VIEW != 0 {
+                        pixel.disparity_px = value(surface + 8);
+                    }
+                }
+                *out = pixel;
+            }
+        });
+}

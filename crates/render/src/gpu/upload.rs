@@ -1,0 +1,310 @@
+//! A prepared scene as the shaders take it: all points from the centre of one eye, in `f32`.
+
+use encase::ShaderType;
+use encase::internal::WriteInto;
+use rodsight_geometry::{Distortion, Eye, MountedCamera, Vec3};
+use rodsight_optics::Phase;
+use rodsight_scene::{EdgeSampling, Material, Mode};
+
+use super::layout::{self, Vec2f, Vec4f};
+use crate::bvh::Bvh;
+use crate::cpu::airlight_grid::{AirlightGrid, STEPS};
+use crate::cpu::rod::Rods;
+use crate::cpu::solid::Capped;
+use crate::cpu::world::{World, graze_rad};
+use crate::lattice::edge_offsets;
+
+/// Nodes of the table of a phase function that is no sum of lobes: linear between them it is 1e-5 off.
+const PHASE_NODES: u32 = 2048;
+
+/// The contents of the buffers of an eye, in the order of their bindings.
+pub(super) struct Upload {
+    pub(super) frame: Vec<u8>,
+    pub(super) storage: Vec<(&'static str, Vec<u8>)>,
+}
+
+impl Upload {
+    pub(super) fn new(world: &World<'_>, eye: Eye) -> Self {
+        let origin_m = world.scene.rig.eye(eye).rig_from_camera.origin_m();
+        let rods: Vec<layout::Rod> = world
+            .scene
+            .rods
+            .iter()
+            .map(|rod| surface(&rod.material))
+            .collect();
+        let lamps: Vec<layout::Lamp> = world
+            .lamps
+            .iter()
+            .map(|light| layout::Lamp {
+                position_m: (light.lamp.position_m - origin_m).into(),
+                cos_inner: light.cos_inner as f32,
+                direction: light.lamp.direction.into(),
+                cos_outer: light.cos_outer as f32,
+                radiant_intensity_w_per_sr: light.lamp.radiant_intensity_w_per_sr.into(),
+            })
+            .collect();
+        let casters: Vec<layout::Caster> = world
+            .lamps
+            .iter()
+            .flat_map(|light| {
+                light
+                    .shadows
+                    .casters
+                    .iter()
+                    .map(move |caster| (light, caster))
+            })
+            .map(|(light, caster)| {
+                let [plus, minus] = caster.touching_m.unwrap_or_default();
+                layout::Caster {
+                    solid: solid(&caster.piece, &light.lamp.position_m),
+                    touching_plus_m: plus.into(),
+                    bounding_radius_m: caster.bounding_radius_m as f32,
+                    touching_minus_m: minus.into(),
+                    touches: caster.touching_m.is_some().into(),
+                }
+            })
+            .collect();
+        let offsets: Vec<Vec2f> = edge_offsets(world.scene.sampling.edge)
+            .into_iter()
+            .map(Vec2f::from)
+            .collect();
+        let (phase, phase_table) = phase(world.scene.medium.phase());
+        let grid = AirlightGrid::new(world, world.scene.rig.eye(eye));
+        let airlight: Vec<Vec4f> = grid
+            .knots
+            .iter()
+            .flatten()
+            .map(|&[r, g, b]| [r, g, b, 0.0].into())
+            .collect();
+        let nodes = threaded(&world.rods.tree, &origin_m);
+        let frame = layout::Frame {
+            nodes: nodes.len() as u32,
+            lamps: lamps.len() as u32,
+            casters: (casters.len() / lamps.len().max(1)) as u32,
+            samples: offsets.len() as u32,
+            lobes: phase.len() as u32,
+            phase_table: phase_table.into(),
+            grid_columns: if grid.knots.is_empty() {
+                0
+            } else {
+                grid.columns as u32
+            },
+            grid_rows: grid.rows as u32,
+            grid_steps: STEPS as u32,
+            grid_half_way_m: grid.half_way_m as f32,
+            grid_scale: grid.scale.into(),
+            ..frame(world, eye)
+        };
+        let mut bytes = encase::UniformBuffer::new(Vec::new());
+        bytes.write(&frame).expect("a vector grows");
+        Self {
+            frame: bytes.into_inner(),
+            storage: vec![
+                ("segments", storage(segments(&world.rods, &origin_m))),
+                ("rods", storage(rods)),
+                ("lamps", storage(lamps)),
+                ("casters", storage(casters)),
+                ("offsets", storage(offsets)),
+                ("phase", storage(phase)),
+                ("nodes", storage(nodes)),
+                ("airlight", storage(airlight)),
+            ],
+        }
+    }
+}
+
+/// A buffer of at least one element: an empty one cannot be bound.
+fn storage<T: ShaderType + WriteInto + Default>(mut elements: Vec<T>) -> Vec<u8>
+where
+    Vec<T>: ShaderType + WriteInto,
+{
+    if elements.is_empty() {
+        elements.push(T::default());
+    }
+    let mut bytes = encase::StorageBuffer::new(Vec::new());
+    bytes.write(&elements).expect("a vector grows");
+    bytes.into_inner()
+}
+
+/// Everything of the frame but the lengths of the buffers.
+fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
+    let scene = world.scene;
+    let (mounted, other) = (scene.rig.eye(eye), scene.rig.eye(eye.other()));
+    let origin_m = mounted.rig_from_camera.origin_m();
+    let seabed = scene.seabed.as_ref();
+    layout::Frame {
+        eye: camera(mounted, &origin_m),
+        other: camera(other, &origin_m),
+        attenuation_per_m: world.attenuation_per_m.into(),
+        horizon_m: world.horizon_m as f32,
+        scattering_per_m: scene.medium.scattering_per_m().into(),
+        graze_rad: graze_rad(&mounted.camera) as f32,
+        ambient_radiance: scene.ambient_radiance.into(),
+        footprint_rad: world.footprint_rad as f32,
+        background_radiance: scene.background_radiance.into(),
+        airlight_points: scene.sampling.airlight_points,
+        seabed_albedo: seabed.map_or([0.0; 3], |s| s.albedo).into(),
+        seabed_z_m: seabed.map_or(0.0, |s| s.z_m - origin_m.z) as f32,
+        rig_from_eye_m: origin_m.into(),
+        seabed_contrast: seabed.map_or(0.0, |s| s.texture_contrast) as f32,
+        seabed_scale_m: seabed.map_or(1.0, |s| s.texture_scale_m) as f32,
+        seabed_seed: crate::cpu::seabed::seed_word(scene.seed),
+        has_seabed: seabed.is_some().into(),
+        mode: match scene.mode {
+            Mode::Air => 0,
+            Mode::Koschmieder => 1,
+            Mode::Single => 2,
+            Mode::Full => 3,
+        },
+        shifts: matches!(scene.sampling.edge, EdgeSampling::Fibonacci { .. }).into(),
+        disparity_sign: match eye {
+            Eye::Left => 1.0,
+            Eye::Right => -1.0,
+        },
+        ..layout::Frame::default()
+    }
+}
+
+fn camera(mounted: &MountedCamera, from_m: &Vec3) -> layout::Camera {
+    let i = mounted.camera.intrinsics();
+    let pose = &mounted.rig_from_camera;
+    let (lens, k, p) = match *mounted.camera.distortion() {
+        Distortion::None => (0, [0.0; 4], [0.0; 2]),
+        Distortion::BrownConrady([k1, k2, p1, p2, k3]) => (1, [k1, k2, k3, 0.0], [p1, p2]),
+        Distortion::KannalaBrandt(k) => (2, k, [0.0; 2]),
+    };
+    layout::Camera {
+        right: pose.direction(&Vec3::x()).into(),
+        fx_px: i.fx_px as f32,
+        down: pose.direction(&Vec3::y()).into(),
+        fy_px: i.fy_px as f32,
+        forward: pose.direction(&Vec3::z()).into(),
+        cx_px: i.cx_px as f32,
+        origin_m: (pose.origin_m() - from_m).into(),
+        cy_px: i.cy_px as f32,
+        k: k.into(),
+        p: p.into(),
+        fold: mounted.camera.fold().min(1e30) as f32,
+        lens,
+        size_px: [f64::from(i.width_px), f64::from(i.height_px)].into(),
+    }
+}
+
+fn surface(material: &Material) -> layout::Rod {
+    let (value, is_flat) = match material {
+        Material::Lambert(albedo) => (albedo, 0),
+        Material::Flat(radiance) => (radiance, 1),
+    };
+    layout::Rod {
+        value: (*value).into(),
+        is_flat,
+    }
+}
+
+fn solid(piece: &Capped, from_m: &Vec3) -> layout::Solid {
+    let axis = &piece.cylinder.axis;
+    layout::Solid {
+        centre_m: (axis.point_m - from_m).into(),
+        half_length_m: piece.half_length_m as f32,
+        direction: axis.direction.into(),
+        radius_m: piece.cylinder.radius_m as f32,
+    }
+}
+
+/// The pieces of all rods in the order of the tree's leaves.
+fn segments(rods: &Rods, from_m: &Vec3) -> Vec<layout::Segment> {
+    let pieces = rods.tree.order.iter().map(|&piece| {
+        let (rod, index) = rods.pieces[piece as usize];
+        let (arc, all) = (&rods.solids[rod].arc, &rods.solids[rod].segments);
+        let piece = &all[index];
+        // The arc's point whose tangent is the piece's direction.
+        let at = arc.at(arc.parameter_of(&piece.cylinder.axis.point_m));
+        layout::Segment {
+            solid: solid(piece, from_m),
+            arc_m: (at.point_m - piece.cylinder.axis.point_m).into(),
+            curvature_per_m: arc.curvature_per_m as f32,
+            inward: arc.inward(&at.direction).into(),
+            instance: rod as u32 + 2,
+            ends: u32::from(index == 0) | u32::from(index + 1 == all.len()) << 1,
+        }
+    });
+    pieces.collect()
+}
+
+/// A node to visit, or an inner one to close now that all that it holds is there.
+enum Step {
+    Visit(u32),
+    Close(usize),
+}
+
+/// The nodes of a tree in the order of a walk that goes into every box. `first` of an inner node is the node after its last
+/// descendant: where to go on if its box is missed. Boxes grow by what rounding to `f32` may move a ray.
+fn threaded(tree: &Bvh, from_m: &Vec3) -> Vec<layout::BvhNode> {
+    let mut nodes = Vec::with_capacity(tree.nodes.len());
+    let mut stack: Vec<Step> = tree
+        .nodes
+        .first()
+        .map(|_| Step::Visit(0))
+        .into_iter()
+        .collect();
+    while let Some(step) = stack.pop() {
+        match step {
+            Step::Close(node) => {
+                let after: u32 = nodes.len() as u32;
+                let node: &mut layout::BvhNode = &mut nodes[node];
+                node.first = after;
+            }
+            Step::Visit(index) => {
+                let node = &tree.nodes[index as usize];
+                let edge = |bound: [f32; 3], sign: f64| {
+                    core::array::from_fn::<f64, 3, _>(|k| {
+                        let from_eye = f64::from(bound[k]) - from_m[k];
+                        from_eye + sign * (1e-6 + 1e-6 * from_eye.abs())
+                    })
+                };
+                if node.count == 0 {
+                    stack.push(Step::Close(nodes.len()));
+                    stack.extend([Step::Visit(node.first + 1), Step::Visit(node.first)]);
+                }
+                nodes.push(layout::BvhNode {
+                    min_m: edge(node.min_m, -1.0).into(),
+                    first: node.first,
+                    max_m: edge(node.max_m, 1.0).into(),
+                    count: node.count,
+                });
+            }
+        }
+    }
+    nodes
+}
+
+/// Lobes as (amplitude, (1 − g)², 2g, 0), or a table of logarithms and whether it is one.
+fn phase(phase: &Phase) -> (Vec<Vec4f>, bool) {
+    const PI: f64 = core::f64::consts::PI;
+    match phase {
+        Phase::Isotropic => (vec![[0.25 / PI, 1.0, 0.0, 0.0].into()], false),
+        Phase::HenyeyGreensteinSum(lobes) => {
+            let constants = lobes.iter().map(|lobe| {
+                let amplitude = lobe.weight * (1.0 - lobe.g * lobe.g) / (4.0 * PI);
+                [
+                    amplitude,
+                    (1.0 - lobe.g) * (1.0 - lobe.g),
+                    2.0 * lobe.g,
+                    0.0,
+                ]
+                .into()
+            });
+            (constants.collect(), false)
+        }
+        Phase::FournierForand { .. } => {
+            let node = |i: u32| {
+                // 1 − cos θ = 2 y⁸.
+                let y = f64::from(i) / f64::from(PHASE_NODES - 1);
+                let y4 = y * y * y * y;
+                let value = phase.value_per_sr(1.0 - 2.0 * y4 * y4);
+                [libm::log(value), 0.0, 0.0, 0.0].into()
+            };
+            ((0..PHASE_NODES).map(node).collect(), true)
+        }
+    }
+}

@@ -1,0 +1,340 @@
+//! Both backends on the same scenes: light, depth and ids, pixel by pixel.
+//!
+//! Without an adapter these tests say that they were skipped, and pass; with `RODSIGHT_REQUIRE_GPU=1` they fail.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::allow_attributes,
+    clippy::print_stdout,
+    reason = "helpers of tests may panic, and say how well it went"
+)]
+
+mod common;
+
+use rodsight_geometry::Eye;
+use rodsight_render::{CpuRenderer, EyeFrame, Frame, PixelTruth, Renderer};
+use rodsight_scene::{EdgeSampling, Mode, Scene};
+use rodsight_testkit::{Tolerance, compare_images};
+
+/// Away from edges, all but one pixel in a thousand. Both sum the same terms, and `f32` keeps seven digits of each.
+const MOST: Tolerance = Tolerance {
+    max_rel: 2e-3,
+    max_abs: 0.0,
+    bad_fraction: 1e-3,
+    bounded_by: "f32 against f64; shadows' ends are found to 1e-5",
+};
+/// The same, all but those that a shadow's edge crosses: a sample of such a pixel may fall on the other side.
+const ALL: Tolerance = Tolerance {
+    max_rel: 1e-2,
+    bad_fraction: 1e-4,
+    ..MOST
+};
+/// Beside limbs the depth is that of a ray which barely touches: a rounding error of the gap is a hundred of the depth.
+const DEPTH: Tolerance = Tolerance {
+    max_rel: 1e-5,
+    max_abs: 0.0,
+    bad_fraction: 2e-3,
+    bounded_by: "f32; rays that graze a limb, and floors seen at grazing angles",
+};
+/// Ids differ only where a limb passes through the middle of a pixel within rounding.
+const IDS_DIFFER: f64 = 1e-4;
+/// Samples of a pixel at an edge that may fall on the other side of it.
+const SAMPLES_DIFFER: f32 = 2.0;
+
+/// What of a pixel is compared, light first, scaled by nothing.
+fn light(p: &PixelTruth) -> [f32; 12] {
+    let mut all = [0.0; 12];
+    for (three, value) in
+        all.chunks_exact_mut(3)
+            .zip([p.radiance, p.direct, p.backscatter, p.clean])
+    {
+        three.copy_from_slice(&value);
+    }
+    all
+}
+
+/// Pixels whose 5 × 5 neighbourhood shows more than one thing, or the same one lit by other lamps or at another depth, and so are
+/// means over samples, by the reference's own ids.
+fn at_edges(frame: &EyeFrame) -> Vec<bool> {
+    let (width, height) = (frame.width_px, frame.height_px);
+    (0..height)
+        .flat_map(|row| (0..width).map(move |column| (row, column)))
+        .map(|(row, column)| {
+            let here = frame.at(column, row);
+            let rows = row.saturating_sub(2)..(row + 3).min(height);
+            rows.flat_map(|r| {
+                let columns = column.saturating_sub(2)..(column + 3).min(width);
+                columns.map(move |c| frame.at(c, r))
+            })
+            .any(|there| {
+                there.instance != here.instance
+                    || (here.instance >= 2
+                        && (there.range_m - here.range_m).abs() > 0.02 * here.range_m)
+            })
+        })
+        .collect()
+}
+
+/// How an image differs from the reference's; what it says when it does not.
+fn compare_eye(actual: &EyeFrame, reference: &EyeFrame, samples: f32) -> Result<String, String> {
+    let shape = [reference.height_px as usize, reference.width_px as usize];
+    let pixels = shape[0] * shape[1];
+    if pixels == 0 || reference.pixels.len() != pixels {
+        return Err("no reference".to_owned());
+    }
+    if actual.pixels.len() != pixels {
+        return Err(format!(
+            "{} pixels instead of {pixels}",
+            actual.pixels.len()
+        ));
+    }
+    let ids = actual.pixels.iter().zip(&reference.pixels);
+    let ids = ids
+        .filter(|(a, r)| a.instance != r.instance || a.material != r.material)
+        .count();
+    if ids as f64 > (IDS_DIFFER * pixels as f64).max(4.0) {
+        return Err(format!("{ids} of {pixels} ids differ"));
+    }
+    let edges = at_edges(reference);
+    // Light away from edges: what is at an edge is taken from the reference here, and looked at below.
+    let planes =
+        |of: &dyn Fn(usize) -> Vec<f32>| -> Vec<f32> { (0..pixels).flat_map(of).collect() };
+    let inside = |frame: &EyeFrame| {
+        planes(&|i| {
+            let from = if edges[i] { reference } else { frame };
+            light(&from.pixels[i]).to_vec()
+        })
+    };
+    let (a, r) = (inside(actual), inside(reference));
+    let mut report = String::new();
+    // A hundred-thousandth of the brightest value is below a digit of 16 bits.
+    let digit = 1e-5 * f64::from(r.iter().copied().fold(0.0, f32::max));
+    for tolerance in [MOST, ALL].map(|t| Tolerance {
+        max_abs: digit,
+        ..t
+    }) {
+        let found = compare_images(&a, &r, [shape[0], shape[1], 12], tolerance);
+        report = format!(
+            "light {:.1e}",
+            found.map_err(|e| format!("light: {e}"))?.worst_rel
+        );
+    }
+    let depth = |frame: &EyeFrame| {
+        planes(&|i| {
+            let (here, there) = (&frame.pixels[i], &reference.pixels[i]);
+            let same = here.instance == there.instance && there.instance != 0;
+            if same {
+                vec![here.depth_m, here.range_m]
+            } else {
+                vec![1.0; 2]
+            }
+        })
+    };
+    let found = compare_images(
+        &depth(actual),
+        &depth(reference),
+        [shape[0], shape[1], 2],
+        DEPTH,
+    );
+    let found = found.map_err(|e| format!("depth: {e}"))?;
+    // Anywhere: two samples of a pixel may see the other side of an edge.
+    let mut worst = 0.0_f32;
+    for i in 0..pixels {
+        let (row, column) = ((i / shape[1]) as u32, (i % shape[1]) as u32);
+        let (a, r) = (light(&actual.pixels[i]), light(&reference.pixels[i]));
+        let around = (row.saturating_sub(1)..(row + 2).min(reference.height_px)).flat_map(|r| {
+            let columns = column.saturating_sub(1)..(column + 2).min(reference.width_px);
+            columns.map(move |c| light(reference.at(c, r)))
+        });
+        let brightest = around.fold([0.0_f32; 12], |most, v| {
+            core::array::from_fn(|k| most[k].max(v[k]))
+        });
+        for k in 0..12 {
+            let off = (a[k] - r[k]).abs();
+            let allowed = SAMPLES_DIFFER / samples * brightest[k] + 2e-3 * r[k];
+            // `!(…)` refuses NaN.
+            if !(off <= allowed) {
+                return Err(format!(
+                    "column {column}, row {row}, channel {k}: {} instead of {}",
+                    a[k], r[k]
+                ));
+            }
+            worst = worst.max(off / (brightest[k] / samples).max(f32::MIN_POSITIVE));
+        }
+    }
+    let edges = edges.iter().filter(|edge| **edge).count();
+    Ok(format!(
+        "{report}, depth {:.1e} ({} pixels beyond 1e-5), {ids} ids, {edges} pixels at edges, where {worst:.2} samples differ",
+        found.worst_rel, found.bad_pixels
+    ))
+}
+
+fn compare(actual: &Frame, reference: &Frame, samples: f32) -> Result<String, String> {
+    Eye::BOTH
+        .iter()
+        .map(|&eye| {
+            let report = compare_eye(actual.eye(eye), reference.eye(eye), samples);
+            report.map_err(|e| format!("{}: {e}", eye.name()))
+        })
+        .collect::<Result<Vec<_>, _>>()
+        .map(|both| both.join("\n  "))
+}
+
+/// Samples of a pixel at an edge: enough to compare, few enough for the reference in a test.
+const SAMPLES: u32 = 55;
+
+fn check(name: &str, scene: &mut Scene) {
+    let Some(gpu) = common::gpu() else { return };
+    scene.sampling.edge = EdgeSampling::Fibonacci { points: SAMPLES };
+    let reference = CpuRenderer.render(scene, &|_| ()).unwrap();
+    let actual = gpu.render(scene, &|_| ()).unwrap();
+    match compare(&actual, &reference, SAMPLES as f32) {
+        Ok(report) => println!("{name} on {}:\n  {report}", gpu.adapter()),
+        Err(message) => panic!("{name} on {}: {message}", gpu.adapter()),
+    }
+}
+
+#[test]
+fn shipped_scenes_look_the_same_on_both_backends() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let mut scenes = 0;
+    let mut files: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .collect();
+    files.sort();
+    for file in files
+        .iter()
+        .filter(|f| f.extension().is_some_and(|e| e == "toml"))
+    {
+        let mut scene = common::shrunk(Scene::load(file).unwrap(), 4);
+        check(&file.file_name().unwrap().to_string_lossy(), &mut scene);
+        scenes += 1;
+    }
+    assert!(scenes >= 7, "{scenes} scenes");
+}
+
+#[test]
+fn every_mode_and_lens_looks_the_same_on_both_backends() {
+    for mode in [Mode::Air, Mode::Koschmieder, Mode::Single] {
+        for lens in [None, Some(common::BROWN), Some(common::KANNALA)] {
+            let mut scene = common::crossing(8);
+            scene.mode = mode;
+            scene.ambient_radiance = [0.02, 0.03, 0.04];
+            if let Some(lens) = lens {
+                scene = common::distorted(lens, scene);
+            }
+            check(&format!("{mode:?} {lens:?}"), &mut scene);
+        }
+    }
+}
+
+/// A beam too sharp for a table: each ray is summed.
+#[test]
+fn airlight_without_a_table_looks_the_same_on_both_backends() {
+    let mut scene = common::crossing(8);
+    for lamp in &mut scene.lamps {
+        (lamp.inner_half_angle_rad, lamp.outer_half_angle_rad) = (0.3, 0.302);
+        lamp.direction = rodsight_geometry::Vec3::new(1.0, 0.1, 0.2).normalize();
+    }
+    scene.sampling.airlight_points = 128;
+    check("sharp beams", &mut scene);
+    scene.medium = rodsight_optics::Medium::new(
+        [0.23, 0.05, 0.04],
+        [0.12, 0.125, 0.13],
+        rodsight_optics::Phase::FournierForand {
+            refractive_index: 1.1,
+            junge_slope: 3.5835,
+        },
+    )
+    .unwrap();
+    check("sharp beams, Fournier-Forand", &mut scene);
+}
+
+#[test]
+fn bytes_depend_on_neither_the_run_nor_the_tiles() {
+    let Some(gpu) = common::gpu() else { return };
+    let scene = common::crossing(8);
+    let first = gpu.render(&scene, &|_| ()).unwrap();
+    let mut renderer = gpu;
+    for tile_pixels in [1 << 19, 8000, 1] {
+        renderer = renderer.with_tile_pixels(tile_pixels);
+        let again = renderer.render(&scene, &|_| ()).unwrap();
+        for eye in Eye::BOTH {
+            let bits = |frame: &Frame| -> Vec<u32> {
+                let pixels = frame.eye(eye).pixels.iter();
+                pixels.flat_map(common::numbers).map(f32::to_bits).collect()
+            };
+            assert!(
+                bits(&again) == bits(&first),
+                "{tile_pixels} pixels a tile, {eye:?}"
+            );
+        }
+    }
+}
+
+/// Everything the comparison is there to find, made by hand from the reference.
+#[test]
+fn comparison_finds_shifts_gains_swaps_nan_and_missing_references() {
+    let scene = common::crossing(8);
+    let reference = CpuRenderer.render(&scene, &|_| ()).unwrap();
+    let samples = 21.0;
+    compare(&reference, &reference, samples).unwrap();
+    let fails = |name: &str, change: &dyn Fn(&mut Frame), says: &str| {
+        let mut wrong = reference.clone();
+        change(&mut wrong);
+        let message = compare(&wrong, &reference, samples).expect_err(name);
+        assert!(message.contains(says), "{name}: {message}");
+    };
+    fails(
+        "shift by 1 px",
+        &|f| f.left.pixels.rotate_right(1),
+        "differ",
+    );
+    let brighter = |f: &mut Frame| {
+        for pixel in &mut f.right.pixels {
+            pixel.radiance = pixel.radiance.map(|v| 1.01 * v);
+        }
+    };
+    fails("gain of 1 %", &brighter, "right: light");
+    fails(
+        "swapped eyes",
+        &|f| core::mem::swap(&mut f.left, &mut f.right),
+        "differ",
+    );
+    fails(
+        "NaN",
+        &|f| f.left.pixels[77].direct[1] = f32::NAN,
+        "not finite",
+    );
+    let at_edge = at_edges(&reference.left)
+        .iter()
+        .position(|edge| *edge)
+        .unwrap();
+    fails(
+        "NaN at an edge",
+        &|f| f.left.pixels[at_edge].clean[2] = f32::NAN,
+        "instead of",
+    );
+    fails(
+        "depth off by 1e-4",
+        &|f| f.left.pixels.iter_mut().for_each(|p| p.depth_m *= 1.0001),
+        "depth",
+    );
+    let none = EyeFrame {
+        width_px: 0,
+        height_px: 0,
+        pixels: Vec::new(),
+    };
+    let missing = Frame {
+        left: none.clone(),
+        right: none,
+        ..reference.clone()
+    };
+    assert!(
+        compare(&reference, &missing, samples)
+            .unwrap_err()
+            .contains("no reference")
+    );
+    assert!(compare(&missing, &reference, samples).is_err());
+}

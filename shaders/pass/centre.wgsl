@@ -1,0 +1,44 @@
+// One ray through the centre of every pixel: geometry, truth channels, light from surfaces, and the key that finds edges.
+
+@compute @workgroup_size(8, 8)
+fn centre(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= tile.width || id.y >= tile.rows {
+        return;
+    }
+    let pixels = tile.width * tile.rows;
+    let pixel = id.y * tile.width + id.x;
+    let corner = vec2<f32>(vec2<u32>(id.x, tile.first_row + id.y));
+    let direction = camera_to_rig(frame.eye, camera_ray(frame.eye, corner, vec2<f32>(0.5)));
+    let hit = scene_hit(vec3<f32>(0.0), direction);
+    let sample = scene_light(direction, hit);
+    let grazes = scene_grazes_a_limb(direction);
+
+    keys[pixel] = hit.instance | select(0u, KEY_CAP, hit.cap) | select(0u, KEY_GRAZES, grazes);
+    keys[pixels + pixel] = sample.lit_by;
+    keys[2u * pixels + pixel] = bitcast<u32>(hit.t_m);
+    tile_store(0u, pixel, sample.direct);
+    tile_store(6u, pixel, sample.clean);
+    tile_store_surface(0u, pixel, sample.transmission);
+
+    let point = direction * hit.t_m;
+    var tag = hit.instance;
+    var disparity = 0.0;
+    var depth = 0.0;
+    if hit.instance != NOTHING {
+        depth = dot(frame.eye.forward, point);
+        let there = camera_project(frame.other, camera_from_rig(frame.other, point - frame.other.origin_m));
+        if there.z > 0.0 {
+            tag |= TAG_IN_VIEW;
+            disparity = frame.disparity_sign * ((corner.x + 0.5) - there.x);
+        }
+        if there.z == 0.0 || !camera_contains(frame.other, there.xy)
+            || scene_is_hidden(point, hit.normal, hit.instance, frame.other.origin_m) {
+            tag |= TAG_OCCLUDED;
+        }
+    }
+    tile_store_surface(3u, pixel, camera_from_rig(frame.eye, hit.normal));
+    surface[6u * pixels + pixel] = depth;
+    surface[7u * pixels + pixel] = hit.t_m;
+    surface[8u * pixels + pixel] = disparity;
+    surface[9u * pixels + pixel] = bitcast<f32>(tag);
+}

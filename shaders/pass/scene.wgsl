@@ -1,0 +1,249 @@
+// What every pass that casts rays shares: the prepared scene and its light. See cpu/world.rs and cpu/light.rs.
+// All points are from the centre of the eye that is rendered, in the axes of the rig: what is near has its digits.
+
+const MODE_AIR: u32 = 0u;
+const MODE_KOSCHMIEDER: u32 = 1u;
+
+const NOTHING: u32 = 0u;
+const SEABED: u32 = 1u;
+
+/// Lengths of rays that end at a surface end this much short of it, relative and absolute: a rounding error of f32 more.
+const GAP: f32 = 1e-5;
+/// A rod does not shade itself nearer than this fraction of its radius: facing the lamp decides there.
+const OWN_GAP: f32 = 0.25;
+/// Stretches of a ray shorter than this send no light worth a sum, m.
+const MIN_STRETCH_M: f32 = 1e-6;
+
+struct Frame {
+    eye: Camera,
+    other: Camera,
+    attenuation_per_m: vec3<f32>,
+    horizon_m: f32,
+    scattering_per_m: vec3<f32>,
+    graze_rad: f32,
+    ambient_radiance: vec3<f32>,
+    footprint_rad: f32,
+    background_radiance: vec3<f32>,
+    airlight_points: u32,
+    seabed_albedo: vec3<f32>,
+    seabed_z_m: f32,
+    /// The eye's centre in the rig's frame: the texture lies still whichever eye looks.
+    rig_from_eye_m: vec3<f32>,
+    seabed_contrast: f32,
+    seabed_scale_m: f32,
+    seabed_seed: u32,
+    has_seabed: u32,
+    mode: u32,
+    /// Of the tree.
+    nodes: u32,
+    lamps: u32,
+    /// Casters of each lamp.
+    casters: u32,
+    samples: u32,
+    /// Whether every pixel shifts its samples: the lattice does, the grid does not.
+    shifts: u32,
+    /// Lobes of the phase function, or nodes of its table.
+    lobes: u32,
+    phase_table: u32,
+    /// Corners of the table of airlight; no columns if each ray is summed.
+    grid_columns: u32,
+    grid_rows: u32,
+    /// Steps from the camera to infinity, and the distance of half of them.
+    grid_steps: u32,
+    grid_half_way_m: f32,
+    /// Cells per pixel.
+    grid_scale: vec2<f32>,
+    /// 1 for the left eye, -1 for the right one: disparity is left minus right.
+    disparity_sign: f32,
+}
+
+/// A rod's surface: an albedo, or the radiance it sends by itself.
+struct Rod {
+    value: vec3<f32>,
+    is_flat: u32,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<storage, read> segments: array<Segment>;
+@group(0) @binding(2) var<storage, read> rods: array<Rod>;
+@group(0) @binding(3) var<storage, read> lamps: array<Lamp>;
+@group(0) @binding(4) var<storage, read> casters: array<Caster>;
+@group(0) @binding(5) var<storage, read> offsets: array<vec2<f32>>;
+@group(0) @binding(6) var<storage, read> phase: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read> nodes: array<BvhNode>;
+/// At each corner and step the airlight of the ray up to there and its slope, per step.
+@group(0) @binding(8) var<storage, read> airlight: array<vec4<f32>>;
+
+struct Hit {
+    t_m: f32,
+    instance: u32,
+    normal: vec3<f32>,
+    cap: bool,
+}
+
+fn scene_seabed_hit(origin_m: vec3<f32>, direction: vec3<f32>) -> f32 {
+    if frame.has_seabed == 0u || direction.z == 0.0 {
+        return SOLID_NONE_M;
+    }
+    let t = (frame.seabed_z_m - origin_m.z) / direction.z;
+    return select(SOLID_NONE_M, t, t > 0.0 && t < SOLID_NONE_M);
+}
+
+/// The first surface on a ray.
+fn scene_hit(origin_m: vec3<f32>, direction: vec3<f32>) -> Hit {
+    var hit = Hit(scene_seabed_hit(origin_m, direction), NOTHING, vec3<f32>(0.0), false);
+    if hit.t_m < SOLID_NONE_M {
+        hit.instance = SEABED;
+        hit.normal = vec3<f32>(0.0, 0.0, -sign(direction.z));
+    }
+    let per_direction = bvh_per_direction(direction);
+    var nearest = 0u;
+    var n = 0u;
+    while n < frame.nodes {
+        let node = nodes[n];
+        n++;
+        if !bvh_meets(node, origin_m, per_direction, 0.0, hit.t_m) {
+            n = select(n, node.first, node.count == 0u);
+            continue;
+        }
+        for (var i = node.first; i < node.first + node.count; i++) {
+            let there = solid_hit(segments[i].solid, origin_m, direction);
+            if there.t_m < hit.t_m {
+                hit.t_m = there.t_m;
+                hit.cap = there.cap;
+                hit.instance = segments[i].instance;
+                nearest = i;
+            }
+        }
+    }
+    if hit.instance >= 2u {
+        let segment = segments[nearest];
+        let rate = dot(segment.solid.direction, direction);
+        if hit.cap && solid_is_end(segment, rate) {
+            hit.normal = segment.solid.direction * -sign(rate);
+        } else {
+            hit.cap = false;
+            hit.normal = solid_normal(segment, origin_m + direction * hit.t_m);
+        }
+    }
+    return hit;
+}
+
+/// Whether a rod other than `own`, or `own` itself well before the end, meets the first `length_m` of a ray.
+fn scene_is_blocked(origin_m: vec3<f32>, direction: vec3<f32>, length_m: f32, own: u32) -> bool {
+    let reach = length_m * (1.0 - GAP) - GAP;
+    let per_direction = bvh_per_direction(direction);
+    var n = 0u;
+    while n < frame.nodes {
+        let node = nodes[n];
+        n++;
+        if !bvh_meets(node, origin_m, per_direction, 0.0, reach) {
+            n = select(n, node.first, node.count == 0u);
+            continue;
+        }
+        for (var i = node.first; i < node.first + node.count; i++) {
+            let own_gap = select(0.0, OWN_GAP * segments[i].solid.radius_m, segments[i].instance == own);
+            if solid_hit(segments[i].solid, origin_m, direction).t_m < reach - own_gap {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/// Whether anything hides a point of a surface from a place.
+fn scene_is_hidden(point_m: vec3<f32>, normal: vec3<f32>, instance: u32, from_m: vec3<f32>) -> bool {
+    let to_point = point_m - from_m;
+    if dot(normal, to_point) >= 0.0 {
+        return true;
+    }
+    let distance = length(to_point);
+    let direction = to_point / distance;
+    return (instance != SEABED && scene_seabed_hit(from_m, direction) < distance * (1.0 - GAP) - GAP)
+        || scene_is_blocked(from_m, direction, distance, instance);
+}
+
+fn scene_grazes_a_limb(direction: vec3<f32>) -> bool {
+    let origin = vec3<f32>(0.0);
+    let per_direction = bvh_per_direction(direction);
+    var n = 0u;
+    while n < frame.nodes {
+        let node = nodes[n];
+        n++;
+        if !bvh_meets(node, origin, per_direction, frame.graze_rad, SOLID_NONE_M) {
+            n = select(n, node.first, node.count == 0u);
+            continue;
+        }
+        for (var i = node.first; i < node.first + node.count; i++) {
+            if solid_grazes(segments[i].solid, origin, direction, frame.graze_rad) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/// Light that leaves a surface towards the camera, and which lamps reach it.
+struct Surface {
+    wet: vec3<f32>,
+    dry: vec3<f32>,
+    lit_by: u32,
+}
+
+/// Lambert: L = Σ ρ/π · I cos θ / r² · e^(-c r) + ρ L_ambient; a flat surface sends its own radiance.
+fn scene_surface(direction: vec3<f32>, hit: Hit) -> Surface {
+    let point = direction * hit.t_m;
+    var albedo: vec3<f32>;
+    if hit.instance == SEABED {
+        let along_floor = hit.t_m * frame.footprint_rad / max(abs(direction.z), 1e-3);
+        let factor = seabed_factor(frame.seabed_seed, frame.seabed_contrast, frame.seabed_scale_m,
+            point.xy + frame.rig_from_eye_m.xy, along_floor);
+        albedo = min(frame.seabed_albedo * factor, vec3<f32>(1.0));
+    } else {
+        let rod = rods[hit.instance - 2u];
+        if rod.is_flat != 0u {
+            return Surface(rod.value, rod.value, 0u);
+        }
+        albedo = rod.value;
+    }
+    let ambient = albedo * frame.ambient_radiance;
+    var surface = Surface(ambient, ambient, 0u);
+    if frame.mode == MODE_KOSCHMIEDER {
+        return surface;
+    }
+    for (var i = 0u; i < frame.lamps; i++) {
+        let lamp = lamps[i];
+        let to_point = point - lamp.position_m;
+        let r2 = dot(to_point, to_point);
+        let r = sqrt(r2);
+        let towards = to_point / r;
+        let cos = -dot(hit.normal, towards);
+        let beam = light_cone(lamp, towards);
+        if cos <= 0.0 || beam == 0.0 || scene_is_blocked(lamp.position_m, towards, r, hit.instance) {
+            continue;
+        }
+        surface.lit_by |= 1u << (i % 32u);
+        let dry = albedo * lamp.radiant_intensity_w_per_sr * (beam * cos / (3.14159265358979 * r2));
+        surface.dry += dry;
+        surface.wet += dry * medium_transmittance(frame.attenuation_per_m, r);
+    }
+    return surface;
+}
+
+/// What one ray brings from a surface, after its way to the camera.
+struct Sample {
+    direct: vec3<f32>,
+    clean: vec3<f32>,
+    transmission: vec3<f32>,
+    lit_by: u32,
+}
+
+fn scene_light(direction: vec3<f32>, hit: Hit) -> Sample {
+    if hit.instance == NOTHING {
+        let background = select(vec3<f32>(0.0), frame.background_radiance, frame.mode == MODE_AIR);
+        return Sample(background, background, vec3<f32>(0.0), 0u);
+    }
+    let surface = scene_surface(direction, hit);
+    let transmission = medium_transmittance(frame.attenuation_per_m, hit.t_m);
+    return Sample(surface.wet * transmission, surface.dry, transmission, surface.lit_by);
+}

@@ -1,0 +1,44 @@
+// A tile: some rows of an eye's image, with one more row on either side where there is one, so that edges show.
+// Every channel is a plane of its own: channel * pixels + pixel.
+
+struct Tile {
+    width: u32,
+    /// The first row of the tile in the image.
+    first_row: u32,
+    rows: u32,
+    /// Of its rows, those whose pixels are kept.
+    kept_from: u32,
+    kept_to: u32,
+}
+
+/// What must be alike in neighbouring pixels for one sample to do: instance, cap, grazing limb (`key`), lamps, range.
+const KEY_CAP: u32 = 0x10000u;
+const KEY_GRAZES: u32 = 0x20000u;
+
+/// Bits of the last channel of `surface`, above the instance.
+const TAG_IN_VIEW: u32 = 0x10000u;
+const TAG_OCCLUDED: u32 = 0x20000u;
+
+@group(1) @binding(0) var<uniform> tile: Tile;
+/// key, lamps, range (bits of f32).
+@group(1) @binding(1) var<storage, read_write> keys: array<u32>;
+/// direct, backscatter, clean: three bands each.
+@group(1) @binding(2) var<storage, read_write> light: array<f32>;
+/// transmission (3), normal (3), depth, range, disparity, tag (bits of u32).
+@group(1) @binding(3) var<storage, read_write> surface: array<f32>;
+/// Pixels at edges, in no order.
+@group(1) @binding(4) var<storage, read_write> edges: array<u32>;
+
+fn tile_store(first: u32, pixel: u32, value: vec3<f32>) {
+    let pixels = tile.width * tile.rows;
+    light[first * pixels + pixel] = value.x;
+    light[(first + 1u) * pixels + pixel] = value.y;
+    light[(first + 2u) * pixels + pixel] = value.z;
+}
+
+fn tile_store_surface(first: u32, pixel: u32, value: vec3<f32>) {
+    let pixels = tile.width * tile.rows;
+    surface[first * pixels + pixel] = value.x;
+    surface[(first + 1u) * pixels + pixel] = value.y;
+    surface[(first + 2u) * pixels + pixel] = value.z;
+}

@@ -1,0 +1,171 @@
+//! The WGSL of the renderer: pure functions in `lib/`, the twins of `f64` functions of the same names in Rust, and the passes that
+//! call them in `pass/`.
+//!
+//! A [`Pass`] is a list of files joined in order, nothing else: no preprocessor, no imports. [`Pass::locate`] takes a line of the
+//! joined text back to its file, so that a compiler's message can name it. This crate knows no graphics library.
+
+/// A file of WGSL.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Its name below `shaders/`.
+    pub file: &'static str,
+    /// Its text, ending in a line break.
+    pub text: &'static str,
+}
+
+/// A compute shader: files joined in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pass {
+    /// The name of its entry point.
+    pub name: &'static str,
+    /// Its files.
+    pub parts: &'static [Part],
+}
+
+macro_rules! part {
+    ($file:literal) => {
+        Part {
+            file: $file,
+            text: include_str!(concat!("../", $file)),
+        }
+    };
+}
+
+/// Elementary functions.
+pub const MATHS: Part = part!("lib/maths.wgsl");
+/// Places of samples.
+pub const LATTICE: Part = part!("lib/lattice.wgsl");
+/// Pixels and rays; needs [`MATHS`].
+pub const CAMERA: Part = part!("lib/camera.wgsl");
+/// Cylinders.
+pub const SOLID: Part = part!("lib/solid.wgsl");
+/// Boxes.
+pub const BVH: Part = part!("lib/bvh.wgsl");
+/// The floor's texture; needs [`LATTICE`].
+pub const SEABED: Part = part!("lib/seabed.wgsl");
+/// Transmission.
+pub const MEDIUM: Part = part!("lib/medium.wgsl");
+/// Phase functions.
+pub const PHASE: Part = part!("lib/phase.wgsl");
+/// Lamps.
+pub const LIGHT: Part = part!("lib/light.wgsl");
+/// The quadrature of the airlight; needs [`MATHS`].
+pub const AIRLIGHT: Part = part!("lib/airlight.wgsl");
+/// The table of the airlight.
+pub const AIRLIGHT_GRID: Part = part!("lib/airlight_grid.wgsl");
+/// Shadows in the water; needs [`SOLID`].
+pub const SHADOW: Part = part!("lib/shadow.wgsl");
+
+/// Every file of pure functions.
+pub const LIB: &[Part] = &[
+    MATHS,
+    LATTICE,
+    CAMERA,
+    SOLID,
+    BVH,
+    SEABED,
+    MEDIUM,
+    PHASE,
+    LIGHT,
+    AIRLIGHT,
+    AIRLIGHT_GRID,
+    SHADOW,
+];
+
+const SCENE: Part = part!("pass/scene.wgsl");
+const WATER: Part = part!("pass/water.wgsl");
+const TILE: Part = part!("pass/tile.wgsl");
+
+/// One ray a pixel.
+pub const CENTRE: Pass = Pass {
+    name: "centre",
+    parts: &[
+        MATHS,
+        LATTICE,
+        CAMERA,
+        SOLID,
+        BVH,
+        SEABED,
+        MEDIUM,
+        LIGHT,
+        SHADOW,
+        SCENE,
+        TILE,
+        part!("pass/centre.wgsl"),
+    ],
+};
+
+/// The light of the water.
+pub const BACKSCATTER: Pass = Pass {
+    name: "backscatter",
+    parts: &[
+        MATHS,
+        LATTICE,
+        CAMERA,
+        SOLID,
+        BVH,
+        SEABED,
+        MEDIUM,
+        PHASE,
+        LIGHT,
+        AIRLIGHT,
+        AIRLIGHT_GRID,
+        SHADOW,
+        SCENE,
+        WATER,
+        TILE,
+        part!("pass/backscatter.wgsl"),
+    ],
+};
+
+/// The list of pixels at edges.
+pub const MARK: Pass = Pass {
+    name: "mark",
+    parts: &[TILE, part!("pass/mark.wgsl")],
+};
+
+/// All samples of pixels at edges.
+pub const REFINE: Pass = Pass {
+    name: "refine",
+    parts: &[
+        MATHS,
+        LATTICE,
+        CAMERA,
+        SOLID,
+        BVH,
+        SEABED,
+        MEDIUM,
+        PHASE,
+        LIGHT,
+        AIRLIGHT,
+        AIRLIGHT_GRID,
+        SHADOW,
+        SCENE,
+        WATER,
+        TILE,
+        part!("pass/refine.wgsl"),
+    ],
+};
+
+/// Every pass.
+pub const PASSES: &[Pass] = &[CENTRE, BACKSCATTER, MARK, REFINE];
+
+impl Pass {
+    /// The joined text.
+    pub fn source(&self) -> String {
+        self.parts.iter().map(|part| part.text).collect()
+    }
+
+    /// The file and line, counted from 1, of a line of the joined text; `None` beyond its end.
+    pub fn locate(&self, line: usize) -> Option<(&'static str, usize)> {
+        let mut left = line.checked_sub(1)?;
+        for part in self.parts {
+            let lines = part.text.lines().count();
+            if left < lines {
+                return Some((part.file, left + 1));
+            }
+            left -= lines;
+        }
+        None
+    }
+}
