@@ -99,11 +99,7 @@ impl Bvh {
         let Some(root) = self.nodes.first() else {
             return;
         };
-        let slabs = Slabs {
-            origin_m: ray.origin_m,
-            per_direction: ray.direction.map(|v| 1.0 / v),
-            margin_rad,
-        };
+        let slabs = Slabs::new(ray, margin_rad);
         let Some(enter_m) = slabs.enter_m(root) else {
             return;
         };
@@ -143,16 +139,24 @@ impl Bvh {
 }
 
 /// A ray made ready for slab tests.
-struct Slabs {
+pub(crate) struct Slabs {
     origin_m: Vec3,
     per_direction: Vec3,
     margin_rad: f64,
 }
 
 impl Slabs {
+    pub(crate) fn new(ray: &Ray, margin_rad: f64) -> Self {
+        Self {
+            origin_m: ray.origin_m,
+            per_direction: ray.direction.map(|v| 1.0 / v),
+            margin_rad,
+        }
+    }
+
     /// Where the ray enters a node's box, 0 from inside; `None` if it misses.
     #[inline]
-    fn enter_m(&self, node: &Node) -> Option<f64> {
+    pub(crate) fn enter_m(&self, node: &Node) -> Option<f64> {
         let (mut enter, mut leave) = (0.0, f64::INFINITY);
         let margin_m = if self.margin_rad > 0.0 {
             self.margin_rad * self.farthest_m(node)

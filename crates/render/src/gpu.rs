@@ -6,6 +6,8 @@
 mod device;
 mod layout;
 mod passes;
+#[cfg(test)]
+mod shader_parity;
 mod tile;
 mod upload;
 

@@ -4,13 +4,14 @@
     clippy::unwrap_used,
     clippy::needless_range_loop,
     clippy::allow_attributes,
+    clippy::print_stdout,
     reason = "helpers of tests may panic, and bands are counted 0 to 2; not every test binary needs each"
 )]
 
 mod common;
 
 use rodsight_geometry::{Cylinder, Eye, ImageLine, Line3, LineFit, Pixel, Vec3, degrees, radians};
-use rodsight_render::{CpuRenderer, EyeFrame};
+use rodsight_render::{CpuRenderer, EyeFrame, Renderer};
 use rodsight_scene::{EdgeSampling, Scene};
 
 /// Limb angles in the image, degrees from upright.
@@ -88,7 +89,7 @@ fn measured_limb(frame: &EyeFrame, axis: &ImageLine, limb: &ImageLine, flat: f64
 }
 
 /// Worst offset (px, at the middle of the image) and angle (degrees) over eyes, limbs and shifts.
-fn worst_error(angle_deg: f64, edge: EdgeSampling) -> (f64, f64) {
+fn worst_error(renderer: &dyn Renderer, angle_deg: f64, edge: EdgeSampling) -> (f64, f64) {
     let (mut offset, mut angle) = (0.0_f64, 0.0_f64);
     for shift_m in SHIFTS_M {
         let scene = scene(angle_deg, shift_m, edge);
@@ -97,14 +98,15 @@ fn worst_error(angle_deg: f64, edge: EdgeSampling) -> (f64, f64) {
             axis: Line3::new(rod.centre_m, &rod.direction),
             radius_m: rod.radius_m,
         };
+        let pair = renderer.render(&scene, &|_| ()).unwrap();
         for eye in Eye::BOTH {
             let mounted = scene.rig.eye(eye);
             let [plus, minus, axis] = cylinder
                 .image_lines(&mounted.camera, &mounted.rig_from_camera)
                 .unwrap();
-            let frame = CpuRenderer.render_eye(&scene, eye, &|_| ()).unwrap();
+            let frame = pair.eye(eye);
             for limb in [plus, minus] {
-                let measured = measured_limb(&frame, &axis, &limb, f64::from(0.8_f32));
+                let measured = measured_limb(frame, &axis, &limb, f64::from(0.8_f32));
                 // Where the limb passes the centre of the image.
                 let centre = Pixel::new(960.0, 540.0);
                 let near = centre - limb.normal() * limb.distance_px(&centre);
@@ -116,22 +118,38 @@ fn worst_error(angle_deg: f64, edge: EdgeSampling) -> (f64, f64) {
     (offset, angle)
 }
 
-#[test]
-fn edges_of_flat_rods_lie_on_the_analytic_limbs_at_every_angle() {
+fn edges_lie_on_the_limbs(renderer: &dyn Renderer) {
     for angle_deg in ANGLES_DEG {
-        let (offset, angle) = worst_error(angle_deg, EdgeSampling::Fibonacci { points: 233 });
-        println!("{angle_deg}°: {offset:.5} px, {angle:.6}°");
+        let edge = EdgeSampling::Fibonacci { points: 233 };
+        let (offset, angle) = worst_error(renderer, angle_deg, edge);
+        let said = format!(
+            "{} {angle_deg}°: {offset:.5} px, {angle:.6}°",
+            renderer.backend()
+        );
+        println!("{said}");
         assert!(
             offset < OFFSET_LIMIT_PX && angle < ANGLE_LIMIT_DEG,
-            "{angle_deg}°: {offset} px, {angle}°"
+            "{said}"
         );
+    }
+}
+
+#[test]
+fn edges_of_flat_rods_lie_on_the_analytic_limbs_at_every_angle() {
+    edges_lie_on_the_limbs(&CpuRenderer);
+}
+
+#[test]
+fn edges_of_flat_rods_lie_on_the_analytic_limbs_on_the_graphics_backend_too() {
+    if let Some(gpu) = common::gpu() {
+        edges_lie_on_the_limbs(&gpu);
     }
 }
 
 #[test]
 fn edges_sampled_on_a_regular_grid_fail_the_same_test() {
     let failed = ANGLES_DEG.iter().any(|&angle_deg| {
-        let (offset, angle) = worst_error(angle_deg, EdgeSampling::Grid { side: 8 });
+        let (offset, angle) = worst_error(&CpuRenderer, angle_deg, EdgeSampling::Grid { side: 8 });
         println!("{angle_deg}°, 8×8 grid: {offset:.5} px, {angle:.6}°");
         offset >= OFFSET_LIMIT_PX || angle >= ANGLE_LIMIT_DEG
     });
@@ -144,6 +162,13 @@ fn edges_sampled_on_a_regular_grid_fail_the_same_test() {
 /// A rod of 0.4 px, far away: the light of every row is that of its width, although few rays through pixel centres meet it.
 #[test]
 fn thin_rod_has_its_light_in_every_row() {
+    thin_rod(&CpuRenderer);
+    if let Some(gpu) = common::gpu() {
+        thin_rod(&gpu);
+    }
+}
+
+fn thin_rod(renderer: &dyn Renderer) {
     const WIDTH_PX: f64 = 0.4;
     // A row's light is counted in samples, in up to three pixels: with 233 a pixel the rod is 93 of them.
     for (angle_deg, points, limit) in [
@@ -156,7 +181,7 @@ fn thin_rod_has_its_light_in_every_row() {
         let mut scene = scene(angle_deg, 0.0003, EdgeSampling::Fibonacci { points });
         let distance_m = 2.3;
         scene.rods[0].radius_m = 0.5 * WIDTH_PX * distance_m / 1566.5776;
-        let frame = CpuRenderer.render_eye(&scene, Eye::Left, &|_| ()).unwrap();
+        let frame = renderer.render(&scene, &|_| ()).unwrap().left;
         let rod = &scene.rods[0];
         let cylinder = Cylinder {
             axis: Line3::new(rod.centre_m, &rod.direction),

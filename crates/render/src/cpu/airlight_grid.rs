@@ -180,10 +180,10 @@ fn ray_at(mounted: &MountedCamera, pixel: &Pixel) -> Option<Ray> {
 }
 
 /// Weights of the cubic through two values and their slopes, x in [0, 1].
-struct Hermite([f64; 4]);
+pub(crate) struct Hermite(pub(crate) [f64; 4]);
 
 impl Hermite {
-    fn new(x: f64) -> Self {
+    pub(crate) fn new(x: f64) -> Self {
         let rest = 1.0 - x;
         Self([
             (1.0 + 2.0 * x) * rest * rest,

@@ -13,7 +13,7 @@ const SHADOW_GAP: f64 = 1e-6;
 
 /// Fraction of the axial intensity that a lamp sends in a unit direction: 1 in the inner cone, 0 outside the outer one, smooth
 /// (cubic in the cosine) between.
-pub(super) fn cone(lamp: &LampLight, direction: &Vec3) -> f64 {
+pub(crate) fn cone(lamp: &LampLight, direction: &Vec3) -> f64 {
     // Rounding must not put a direction just behind a lamp that shines everywhere out of its cone.
     let cos = lamp.lamp.direction.dot(direction).max(-1.0);
     if cos >= lamp.cos_inner {
@@ -36,7 +36,7 @@ pub(crate) struct LampLight {
 }
 
 impl LampLight {
-    pub(super) fn new(lamp: &Lamp, pieces: impl Iterator<Item = Capped>) -> Self {
+    pub(crate) fn new(lamp: &Lamp, pieces: impl Iterator<Item = Capped>) -> Self {
         Self {
             lamp: *lamp,
             cos_inner: libm::cos(lamp.inner_half_angle_rad),

@@ -14,7 +14,7 @@ pub(super) fn hit(seabed: &Seabed, ray: &Ray) -> Option<f64> {
 
 /// Albedo at a point of the floor, seen with samples `footprint_m` apart: octaves of value noise finer than two samples are left
 /// out, so that one sample a pixel does not alias.
-pub(super) fn albedo(seabed: &Seabed, seed: u64, point_m: &Vec3, footprint_m: f64) -> [f64; 3] {
+pub(crate) fn albedo(seabed: &Seabed, seed: u64, point_m: &Vec3, footprint_m: f64) -> [f64; 3] {
     let seed_word = seed_word(seed);
     let mut relief = 0.0;
     let (mut wavelength, mut amplitude) = (seabed.texture_scale_m, 0.5);
@@ -39,7 +39,7 @@ pub(super) fn albedo(seabed: &Seabed, seed: u64, point_m: &Vec3, footprint_m: f6
 }
 
 /// Smooth noise in [−1, 1] with a node at every integer.
-fn value_noise(seed_word: u32, octave: u32, x: f64, y: f64) -> f64 {
+pub(crate) fn value_noise(seed_word: u32, octave: u32, x: f64, y: f64) -> f64 {
     let (x0, y0) = (libm::floor(x), libm::floor(y));
     let smooth = |s: f64| s * s * s * (s * (6.0 * s - 15.0) + 10.0);
     let (sx, sy) = (smooth(x - x0), smooth(y - y0));
@@ -54,7 +54,7 @@ pub(crate) fn seed_word(seed: u64) -> u32 {
 }
 
 /// A number in [−1, 1) for a node: 24 bits, which `f32` holds too.
-fn hash(seed_word: u32, octave: u32, i: i64, j: i64) -> f64 {
+pub(crate) fn hash(seed_word: u32, octave: u32, i: i64, j: i64) -> f64 {
     let column = pcg((i as u32).wrapping_add(pcg(octave.wrapping_add(seed_word))));
     let word = pcg((j as u32).wrapping_add(column));
     f64::from(word >> 8) / f64::from(1 << 23) - 1.0

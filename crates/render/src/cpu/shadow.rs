@@ -28,12 +28,12 @@ pub(crate) struct Caster {
 }
 
 /// The plane of a lamp and a ray: unit vectors, and the lamp's distance from the ray.
-struct Section {
-    normal: Vec3,
+pub(crate) struct Section {
+    pub(crate) normal: Vec3,
     /// From the lamp towards the nearest point of the ray.
-    across: Vec3,
-    along: Vec3,
-    distance_m: f64,
+    pub(crate) across: Vec3,
+    pub(crate) along: Vec3,
+    pub(crate) distance_m: f64,
 }
 
 /// A direction in the plane of lamp and ray as the lamp sees it: (across, along).
@@ -59,7 +59,7 @@ impl Section {
 }
 
 impl Shadows {
-    pub(super) fn new(lamp_m: Vec3, pieces: impl Iterator<Item = Capped>) -> Self {
+    pub(crate) fn new(lamp_m: Vec3, pieces: impl Iterator<Item = Capped>) -> Self {
         let casters = pieces.map(|piece| {
             let (axis, radius_m) = (piece.cylinder.axis, piece.cylinder.radius_m);
             let centre_m = axis.point_m - lamp_m;
@@ -133,7 +133,7 @@ impl Caster {
     /// which the lamp sees it end where the lamp's tangents touch the ellipse or at its corners, where the rims of the caps cross
     /// the plane. A ray that does not enter the piece is wholly behind or wholly before it between these angles, so that one probe
     /// tells whether it is dark there.
-    fn span(&self, section: &Section) -> Option<(f64, f64)> {
+    pub(crate) fn span(&self, section: &Section) -> Option<(f64, f64)> {
         if section.normal.dot(&self.centre_m).abs() > self.bounding_radius_m {
             return None;
         }

@@ -40,7 +40,7 @@ pub(crate) struct Capped {
 }
 
 impl Capped {
-    pub(super) fn new(centre_m: Vec3, direction: Vec3, half_length_m: f64, radius_m: f64) -> Self {
+    pub(crate) fn new(centre_m: Vec3, direction: Vec3, half_length_m: f64, radius_m: f64) -> Self {
         Self {
             cylinder: Cylinder {
                 axis: Line3 {
@@ -67,7 +67,7 @@ impl Capped {
 
     /// The first point of the surface on the ray; `None` also from inside.
     #[inline]
-    pub(super) fn hit(&self, ray: &Ray) -> Option<SolidHit> {
+    pub(crate) fn hit(&self, ray: &Ray) -> Option<SolidHit> {
         let axis = &self.cylinder.axis;
         let cross = ray.direction.cross(&axis.direction);
         let triple = cross.dot(&(axis.point_m - ray.origin_m));
@@ -126,7 +126,7 @@ impl Capped {
     }
 
     /// Whether the ray passes the cylinder's limb closer than `footprint` (rad) allows one sample to tell.
-    pub(super) fn grazes(&self, ray: &Ray, footprint_rad: f64) -> bool {
+    pub(crate) fn grazes(&self, ray: &Ray, footprint_rad: f64) -> bool {
         let axis = &self.cylinder.axis;
         let cross = ray.direction.cross(&axis.direction);
         let sin2 = cross.norm_squared();

@@ -212,7 +212,7 @@ fn solid(piece: &Capped, from_m: &Vec3) -> layout::Solid {
 }
 
 /// The pieces of all rods in the order of the tree's leaves.
-fn segments(rods: &Rods, from_m: &Vec3) -> Vec<layout::Segment> {
+pub(super) fn segments(rods: &Rods, from_m: &Vec3) -> Vec<layout::Segment> {
     let pieces = rods.tree.order.iter().map(|&piece| {
         let (rod, index) = rods.pieces[piece as usize];
         let (arc, all) = (&rods.solids[rod].arc, &rods.solids[rod].segments);
