@@ -21,12 +21,15 @@
 mod airlight;
 mod exponential;
 mod medium;
+mod nnls;
 mod phase;
 pub mod water;
+mod wells;
 
 pub use airlight::{Airlight, EquiAngular, Node};
 pub use medium::{Medium, MediumError, transmittance};
 pub use phase::{Lobe, Phase, PhaseError};
+pub use wells::{ForwardLobe, Halo, Wells, width_px};
 
 /// One value per band: red (600 nm), green (525 nm), blue (475 nm).
 pub type Bands = [f64; 3];
