@@ -1,6 +1,6 @@
 //! Least squares with no negative unknown.
 
-/// The x ≥ 0 that makes |A x − b| smallest, from `gram` = AᵀA (row by row) and `target` = Aᵀb (Lawson and Hanson 1974, chapter 23).
+/// The x ≥ 0 that makes |A x − b| smallest, from `gram` `AᵀA`, row by row, and `target` `Aᵀb` (Lawson and Hanson 1974, chapter 23).
 ///
 /// A dozen unknowns at most are asked for, by plain loops: the same bytes on every machine, which no linear-algebra crate
 /// that picks its instructions at run time gives.

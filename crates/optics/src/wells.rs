@@ -4,7 +4,7 @@
 //!
 //! A ray bent by θ at the fraction s of its path seems to come from the angle θ s, and s is uniform in [0, 1]; a lobe of
 //! Henyey and Greenstein is (θᵢ² + θ²)^(−3/2) at small angles, θᵢ = (1 − gᵢ)/√gᵢ, with the Hankel transform e^(−2π θᵢ ψ), whose
-//! mean over s is h. MTF(0) = e^(−(a + b w_back) z) is all that arrives, MTF(∞) = e^(−c z) what was never scattered.
+//! mean over s is h. MTF(0) = e^(−(a + b(1 − Σ wᵢ)) z) is all that arrives, MTF(∞) = e^(−c z) what was never scattered.
 
 use core::f64::consts::PI;
 
@@ -194,7 +194,7 @@ pub struct Halo {
     scattered_per_m: [(f64, f64); 3],
     levels: usize,
     longest_m: f64,
-    shares: Vec<[[f32; Halo::LEVELS]; 3]>,
+    shares: Vec<[[f32; Self::LEVELS]; 3]>,
 }
 
 impl Halo {
@@ -287,6 +287,6 @@ pub fn width_px(level: usize) -> f64 {
     if level == 0 {
         0.0
     } else {
-        libm::ldexp(1.0, level as i32 - 1)
+        libm::exp2(level as f64 - 1.0)
     }
 }

@@ -5,7 +5,10 @@
 
 pub(crate) mod airlight_grid;
 pub(crate) mod arc;
+mod halo;
 pub(crate) mod light;
+mod overscan;
+mod plane;
 pub(crate) mod rod;
 pub(crate) mod seabed;
 pub(crate) mod shadow;
@@ -16,13 +19,15 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use rayon::prelude::*;
 use rodsight_geometry::{CameraFrame, Eye, MountedCamera, Pixel, Pose, RigFrame};
-use rodsight_optics::{Bands, transmittance};
+use rodsight_optics::{Bands, Halo, transmittance};
 use rodsight_scene::{Finish, Mode, Scene};
 
 use crate::frame::{EyeFrame, Frame, PixelTruth};
 use crate::lattice::{edge_offsets, pixel_shift};
 use crate::{RenderError, Renderer};
 use airlight_grid::AirlightGrid;
+use halo::{Mixed, Scattered, Sources};
+use overscan::{middle_px_per_rad, overscan_px};
 use solid::{Face, Ray};
 use world::{Hit, Thing, World, graze_rad};
 
@@ -81,21 +86,13 @@ impl CpuRenderer {
     /// Renders one eye.
     ///
     /// # Errors
-    /// Mode `full`, which needs the halo and the snow that this version does not have.
+    /// An image too large to hold.
     pub fn render_eye(
         &self,
         scene: &Scene,
         eye: Eye,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<EyeFrame, RenderError> {
-        if scene.mode == Mode::Full {
-            return Err(RenderError::Unsupported {
-                scene: scene.id.clone(),
-                backend: self.backend(),
-                feature: "mode \"full\" (forward-scatter halo and marine snow)",
-                instead: "set mode to \"single\"",
-            });
-        }
         if let Some(feature) = beyond_rods(scene) {
             return Err(RenderError::Unsupported {
                 scene: scene.id.clone(),
@@ -116,6 +113,8 @@ impl CpuRenderer {
             other_from_rig: other.rig_from_camera.inverse(),
             eye,
             airlight: AirlightGrid::new(&world, &mounted),
+            halo: (scene.mode == Mode::Full)
+                .then(|| Halo::new(&scene.medium, middle_px_per_rad(&mounted.camera))),
             graze_rad: graze_rad(&mounted.camera),
         };
         Ok(caster.render(progress))
@@ -131,6 +130,8 @@ struct Caster<'a> {
     other_from_rig: Pose<CameraFrame, RigFrame>,
     eye: Eye,
     airlight: AirlightGrid,
+    /// In mode `full`.
+    halo: Option<Halo>,
     /// Rays nearer than this to a limb take all samples.
     graze_rad: f64,
 }
@@ -175,10 +176,11 @@ impl Caster<'_> {
         let depths: Vec<f32> = pixels.iter().map(|pixel| pixel.range_m).collect();
         let pattern = self.world.scene.sampling.edge;
         let offsets = edge_offsets(pattern);
-        pixels
+        let mixed: Vec<Mixed> = pixels
             .par_chunks_mut(width)
             .enumerate()
-            .for_each(|(row, pixels)| {
+            .map(|(row, pixels)| {
+                let mut mixed = Mixed::new();
                 let rows = row.saturating_sub(1)..(row + 2).min(height);
                 for (column, pixel) in pixels.iter_mut().enumerate() {
                     let columns = column.saturating_sub(1)..(column + 2).min(width);
@@ -189,16 +191,31 @@ impl Caster<'_> {
                     if keys[here].grazes || around.any(|there| is_edge(&keys, &depths, here, there))
                     {
                         let shift = pixel_shift(pattern, column as u32, row as u32);
-                        self.average(
-                            pixel,
-                            &Pixel::new(column as f64, row as f64),
-                            &offsets,
-                            shift,
-                        );
+                        let corner = Pixel::new(column as f64, row as f64);
+                        let scattered = self.average(pixel, &corner, &offsets, shift);
+                        mixed.extend(scattered.map(|light| (column as u32, light)));
                     }
                 }
                 tick();
+                mixed
+            })
+            .collect();
+        if let Some(halo) = &self.halo {
+            let spread = Sources {
+                width,
+                pixels: &pixels,
+                mixed: &mixed,
+                beyond: |place: &Pixel| self.beyond(place),
+                overscan: overscan_px(&self.mounted.camera),
+            }
+            .spread(halo);
+            let pairs = pixels.par_iter_mut().zip(spread.pixels());
+            pairs.for_each(|(pixel, forward)| {
+                pixel.forward = *forward;
+                let [direct, back] = [pixel.direct, pixel.backscatter];
+                pixel.radiance = core::array::from_fn(|k| direct[k] + forward[k] + back[k]);
             });
+        }
         EyeFrame {
             width_px: i.width_px,
             height_px: i.height_px,
@@ -259,6 +276,8 @@ impl Caster<'_> {
             key.cap = hit.face == Face::Cap;
         }
         store(&mut truth, &surface, &backscatter);
+        // Until it is spread over its neighbours.
+        truth.forward = self.scattered(&surface.wet, surface.range_m).light;
         (truth, key)
     }
 
@@ -278,6 +297,7 @@ impl Caster<'_> {
             };
             return Sample {
                 direct: background,
+                wet: [0.0; 3],
                 clean: background,
                 transmission: [0.0; 3],
                 range_m: f64::INFINITY,
@@ -289,6 +309,7 @@ impl Caster<'_> {
         let transmission = transmittance(&self.world.attenuation_per_m, hit.t_m);
         Sample {
             direct: core::array::from_fn(|k| surface.wet[k] * transmission[k]),
+            wet: surface.wet,
             clean: surface.dry,
             transmission,
             range_m: hit.t_m,
@@ -298,16 +319,17 @@ impl Caster<'_> {
     }
 
     /// Replaces a pixel's light by the mean over its samples. Light from surfaces is taken at every sample; light from the water,
-    /// smooth but for the length of the ray, once for each thing seen in the pixel, at its mean distance.
+    /// smooth but for the length of the ray, once for each thing seen in the pixel, at its mean distance. Returns what of each thing's
+    /// light arrives scattered.
     fn average(
         &self,
         truth: &mut PixelTruth,
         corner: &Pixel,
         offsets: &[[f64; 2]],
         shift: [f64; 2],
-    ) {
+    ) -> impl Iterator<Item = Scattered> {
         let mut mean = Sample::default();
-        let mut things: Vec<(Option<Thing>, f64, f64)> = Vec::with_capacity(4);
+        let mut things: Vec<Seen> = Vec::with_capacity(4);
         let wrapped = |offset: f64| if offset < 1.0 { offset } else { offset - 1.0 };
         for &[du, dv] in offsets {
             let inside = Pixel::new(wrapped(du + shift[0]), wrapped(dv + shift[1]));
@@ -320,11 +342,19 @@ impl Caster<'_> {
                 mean.clean[k] += sample.clean[k];
                 mean.transmission[k] += sample.transmission[k];
             }
-            match things.iter_mut().find(|(thing, ..)| *thing == sample.thing) {
-                Some((_, count, range)) => {
-                    (*count, *range) = (*count + 1.0, *range + sample.range_m);
-                }
-                None => things.push((sample.thing, 1.0, sample.range_m)),
+            let known = things.iter().position(|seen| seen.thing == sample.thing);
+            let known = known.unwrap_or_else(|| {
+                things.push(Seen {
+                    thing: sample.thing,
+                    ..Seen::default()
+                });
+                things.len() - 1
+            });
+            let seen = &mut things[known];
+            seen.count += 1.0;
+            seen.range_sum_m += sample.range_m;
+            for k in 0..3 {
+                seen.wet_sum[k] += sample.wet[k];
             }
         }
         let share = 1.0 / offsets.len() as f64;
@@ -334,14 +364,34 @@ impl Caster<'_> {
         let mut backscatter = [0.0; 3];
         let centre = Pixel::new(corner.x + 0.5, corner.y + 0.5);
         if let Some(ray) = self.ray(&centre) {
-            for (_, count, range_sum) in things {
-                let scattered = self.backscatter(&ray, &centre, range_sum / count);
+            for seen in &things {
+                let scattered = self.backscatter(&ray, &centre, seen.range_m());
                 for k in 0..3 {
-                    backscatter[k] += scattered[k] * count * share;
+                    backscatter[k] += scattered[k] * seen.count * share;
                 }
             }
         }
         store(truth, &mean, &backscatter);
+        truth.forward = [0.0; 3];
+        things.into_iter().map(move |seen| {
+            let wet = seen.wet_sum.map(|sum| sum * share);
+            self.scattered(&wet, seen.range_m())
+        })
+    }
+}
+
+/// What the samples of a pixel bring of one thing, or of none.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    thing: Option<Thing>,
+    count: f64,
+    range_sum_m: f64,
+    wet_sum: Bands,
+}
+
+impl Seen {
+    fn range_m(&self) -> f64 {
+        self.range_sum_m / self.count
     }
 }
 
@@ -349,6 +399,8 @@ impl Caster<'_> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Sample {
     direct: Bands,
+    /// Where it leaves the surface.
+    wet: Bands,
     clean: Bands,
     transmission: Bands,
     range_m: f64,

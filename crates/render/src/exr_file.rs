@@ -25,9 +25,10 @@ type Triple = (
 type Scalar = (&'static str, fn(&mut PixelTruth) -> &mut f32);
 
 /// The one list of floating-point channels: writer and reader both go by it. Radiance is plain R, G, B, as viewers expect.
-const TRIPLES: [Triple; 6] = [
+const TRIPLES: [Triple; 7] = [
     ("", BANDS, |p| &mut p.radiance),
     ("direct.", BANDS, |p| &mut p.direct),
+    ("forward.", BANDS, |p| &mut p.forward),
     ("backscatter.", BANDS, |p| &mut p.backscatter),
     ("clean.", BANDS, |p| &mut p.clean),
     ("transmission.", BANDS, |p| &mut p.transmission),

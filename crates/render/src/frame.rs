@@ -46,10 +46,12 @@ impl EyeFrame {
 /// Light and truth of one pixel. Light is the mean over the pixel; geometry is that of the ray through its centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelTruth {
-    /// Radiance that reaches the lens, W m⁻² sr⁻¹ per band: `direct + backscatter`.
+    /// Radiance that reaches the lens, W m⁻² sr⁻¹ per band: `direct + forward + backscatter`.
     pub radiance: [f32; 3],
     /// Light from the surface that was not scattered, W m⁻² sr⁻¹.
     pub direct: [f32; 3],
+    /// Light of surfaces here and around that the water scattered forwards, the halo, W m⁻² sr⁻¹; 0 but in mode `full`.
+    pub forward: [f32; 3],
     /// Light scattered by the water on its way from lamps and ambient, W m⁻² sr⁻¹.
     pub backscatter: [f32; 3],
     /// The same surface without water, W m⁻² sr⁻¹.
@@ -77,6 +79,7 @@ impl PixelTruth {
     pub(crate) const NOTHING: Self = Self {
         radiance: [0.0; 3],
         direct: [0.0; 3],
+        forward: [0.0; 3],
         backscatter: [0.0; 3],
         clean: [0.0; 3],
         transmission: [0.0; 3],

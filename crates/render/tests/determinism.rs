@@ -70,7 +70,7 @@ fn another_seed_changes_noise_and_texture_only() {
         for (a, b) in one.eye(eye).pixels.iter().zip(&two.eye(eye).pixels) {
             let geometry = |p: &rodsight_render::PixelTruth| {
                 let all = common::numbers(p);
-                all[12..].iter().map(|v| v.to_bits()).collect::<Vec<_>>()
+                all[15..].iter().map(|v| v.to_bits()).collect::<Vec<_>>()
             };
             assert_eq!(geometry(a), geometry(b));
             assert_eq!(a.backscatter, b.backscatter);

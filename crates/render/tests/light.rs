@@ -13,7 +13,7 @@ use core::f64::consts::PI;
 
 use rodsight_geometry::{Eye, Pixel, Vec3};
 use rodsight_optics::{Medium, Phase};
-use rodsight_render::{CpuRenderer, EyeFrame, RenderError};
+use rodsight_render::{CpuRenderer, EyeFrame};
 use rodsight_scene::{Material, Mode, Rod, Scene, Seabed};
 
 const LAMP_M: Vec3 = Vec3::new(0.1, 0.3, -1.2);
@@ -375,15 +375,4 @@ fn koschmieder_fades_the_surface_into_the_veil() {
             "band {k}: {found} for {expected}"
         );
     }
-}
-
-#[test]
-fn mode_full_is_refused_not_pretended() {
-    let mut scene = with_floor(0.2);
-    scene.mode = Mode::Full;
-    let refused = CpuRenderer.render_eye(&scene, Eye::Left, &|_| ());
-    assert!(
-        matches!(refused, Err(RenderError::Unsupported { .. })),
-        "{refused:?}"
-    );
 }

@@ -65,7 +65,7 @@ pub enum Mode {
     Koschmieder,
     /// Single scattering with the beam attenuation c on every leg.
     Single,
-    /// Transport attenuation K on the lamp's leg, forward-scatter halo and marine snow. Refused by this version.
+    /// Transport attenuation K on the lamps' legs and in backscatter, and a halo of what is scattered forwards on the way to the camera.
     Full,
 }
 

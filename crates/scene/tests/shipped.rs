@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use rodsight_geometry::{Eye, Rig, Vec3, angle_between};
-use rodsight_scene::{Mode, Scene, SceneFile};
+use rodsight_scene::{Scene, SceneFile};
 
 fn scenes_dir() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes")
@@ -38,12 +38,6 @@ fn shipped_scenes_load_under_their_own_name_with_the_grasp_in_both_images() {
     assert!(scenes.len() >= 7, "found {}", scenes.len());
     for (path, scene) in scenes {
         assert_eq!(path.file_stem().unwrap(), scene.id.as_str());
-        assert_ne!(
-            scene.mode,
-            Mode::Full,
-            "{}: no backend renders it yet",
-            scene.id
-        );
         let (grasp_m, _) = scene.rods[scene.target.rod].axis_at(scene.target.along_m);
         for eye in Eye::BOTH {
             let mounted = scene.rig.eye(eye);

@@ -56,7 +56,7 @@ pub(super) struct Surface {
 }
 
 impl World<'_> {
-    /// Lambert: L = Σ ρ/π · I cos θ / r² · e^(−c r) + ρ `L_ambient`; a flat surface sends its own radiance.
+    /// Lambert: L = Σ ρ/π · I cos θ / r² · e^(−K r) + ρ `L_ambient` (K is c but in mode `full`); a flat surface sends its own radiance.
     pub(super) fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         let albedo = match self.material(ray, hit) {
             Material::Flat(radiance) => {
@@ -88,7 +88,7 @@ impl World<'_> {
                 continue;
             }
             surface.lit_by |= 1 << (index % 32);
-            let falloff = transmittance(&self.attenuation_per_m, r);
+            let falloff = transmittance(&self.lamp_attenuation_per_m, r);
             for k in 0..3 {
                 let dry = albedo[k] * light.lamp.radiant_intensity_w_per_sr[k] * beam * cos
                     / (core::f64::consts::PI * r * r);
@@ -143,12 +143,10 @@ impl World<'_> {
         light
     }
 
-    /// The veil of the ambient light: B∞ (1 − e^(−c z)) with B∞ = b L / c.
+    /// The veil of the ambient light: B∞ (1 − e^(−c z)) with B∞ = b L / c. In mode `full` K and b(1 − ⟨cos θ⟩) stand for c and b: light
+    /// scattered forwards stays what it was.
     fn veil(&self, distance_m: f64) -> Bands {
-        let (c, b) = (
-            &self.attenuation_per_m,
-            self.scene.medium.scattering_per_m(),
-        );
+        let (c, b) = (&self.lamp_attenuation_per_m, &self.scattering_per_m);
         let ambient = &self.scene.ambient_radiance;
         if self.scene.mode == Mode::Air || *ambient == [0.0; 3] {
             return [0.0; 3];
@@ -206,14 +204,14 @@ impl World<'_> {
             to_m - from_m,
             |direction, _| cone(light, direction),
         );
-        let before = transmittance(&self.attenuation_per_m, from_m);
+        let before = transmittance(&self.lamp_attenuation_per_m, from_m);
         core::array::from_fn(|k| lamp.radiant_intensity_w_per_sr[k] * scattered[k] * before[k])
     }
 
     fn airlight(&self, points: u32) -> Airlight<'_> {
         Airlight {
             medium: &self.scene.medium,
-            attenuation_per_m: self.attenuation_per_m,
+            attenuation_per_m: self.lamp_attenuation_per_m,
             points,
         }
     }

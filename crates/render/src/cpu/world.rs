@@ -15,8 +15,12 @@ pub(crate) struct World<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) rods: Rods,
     pub(crate) lamps: Vec<LampLight>,
-    /// Attenuation on every leg: c, or nothing in mode `air`.
+    /// Attenuation of a surface's light on its way to the camera: c, or nothing in mode `air`.
     pub(crate) attenuation_per_m: Bands,
+    /// Attenuation of a lamp's light, and of what the water scatters back: K in mode `full`, else the same.
+    pub(crate) lamp_attenuation_per_m: Bands,
+    /// Scattering that counts as such there: b, or b(1 − ⟨cos θ⟩) in mode `full`.
+    pub(crate) scattering_per_m: Bands,
     /// Beyond this the water sends no more light, m.
     pub(crate) horizon_m: f64,
     /// Angle between the rays of neighbouring pixels of the coarser eye, rad: one for both, so that textures agree.
@@ -67,13 +71,22 @@ impl<'a> World<'a> {
             .iter()
             .map(|lamp| LampLight::new(lamp, pieces()))
             .collect();
-        let attenuation_per_m = if scene.mode == Mode::Air {
-            [0.0; 3]
-        } else {
-            scene.medium.beam_attenuation_per_m()
+        let medium = &scene.medium;
+        let attenuation_per_m = match scene.mode {
+            Mode::Air => [0.0; 3],
+            _ => medium.beam_attenuation_per_m(),
+        };
+        let lamp_attenuation_per_m = match scene.mode {
+            Mode::Full => medium.transport_attenuation_per_m(),
+            _ => attenuation_per_m,
+        };
+        let absorption = medium.absorption_per_m();
+        let scattering_per_m = match scene.mode {
+            Mode::Full => core::array::from_fn(|k| lamp_attenuation_per_m[k] - absorption[k]),
+            _ => medium.scattering_per_m(),
         };
         // e^(−12) of the light comes from farther away.
-        let clearest = attenuation_per_m
+        let clearest = lamp_attenuation_per_m
             .iter()
             .copied()
             .fold(f64::INFINITY, f64::min);
@@ -82,6 +95,8 @@ impl<'a> World<'a> {
             rods,
             lamps,
             attenuation_per_m,
+            lamp_attenuation_per_m,
+            scattering_per_m,
             horizon_m: (12.0 / clearest).min(1e4),
             footprint_rad: Eye::BOTH
                 .map(|eye| pixel_angle_rad(&scene.rig.eye(eye).camera))

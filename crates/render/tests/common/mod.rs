@@ -152,20 +152,21 @@ pub fn orange_rod(centre_m: Vec3, direction: Vec3, radius_m: f64) -> Rod {
 }
 
 /// Every number of a pixel.
-pub fn numbers(p: &rodsight_render::PixelTruth) -> [f32; 24] {
+pub fn numbers(p: &rodsight_render::PixelTruth) -> [f32; 27] {
     let triples = [
         p.radiance,
         p.direct,
+        p.forward,
         p.backscatter,
         p.clean,
         p.transmission,
         p.normal,
     ];
-    let mut all = [0.0; 24];
+    let mut all = [0.0; 27];
     for (three, values) in all.chunks_exact_mut(3).zip(triples) {
         three.copy_from_slice(&values);
     }
-    all[18..].copy_from_slice(&[
+    all[21..].copy_from_slice(&[
         p.depth_m,
         p.range_m,
         p.disparity_px,
