@@ -1,7 +1,7 @@
 //! Random numbers keyed by what they are for, never by the order in which they are drawn: any thread count, any tile order and
 //! any restart give the same image.
 
-use core::f64::consts::PI;
+mod quantile;
 
 /// Philox4x32-10 (Salmon et al., SC 2011): four random words from a 128-bit counter and a 64-bit key.
 #[derive(Clone, Copy, Debug)]
@@ -44,16 +44,9 @@ impl Philox {
             .map(|word| (f64::from(word) + 0.5) / 4294967296.0)
     }
 
-    /// Four standard normal numbers (Box & Muller 1958).
+    /// Four standard normal numbers.
     pub(crate) fn normals(self, counter: [u32; 4]) -> [f64; 4] {
-        let [a, b, c, d] = self.uniforms(counter);
-        let pair = |u: f64, angle: f64| {
-            let radius = (-2.0 * libm::log(u)).sqrt();
-            let (sin, cos) = libm::sincos(2.0 * PI * angle);
-            (radius * cos, radius * sin)
-        };
-        let ((n0, n1), (n2, n3)) = (pair(a, b), pair(c, d));
-        [n0, n1, n2, n3]
+        self.words(counter).map(quantile::normal)
     }
 
     /// A Poisson number of the given mean: from a standard normal number, rounded, at 30 and above, where that differs by less than
