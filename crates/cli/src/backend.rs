@@ -1,6 +1,8 @@
 //! Which renderer renders, and why.
 
-use rodsight_render::{AdapterChoice, CpuRenderer, Frame, GpuRenderer, RenderError, Renderer};
+use rodsight_render::{
+    AdapterChoice, CpuRenderer, Frame, GpuRenderer, RenderError, Renderer, expose,
+};
 use rodsight_scene::Scene;
 
 use crate::args::Backend;
@@ -53,14 +55,14 @@ impl Chosen {
         scene: &Scene,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Frame, RenderError> {
-        match self.renderer.render(scene, progress) {
+        match expose(self.renderer.as_ref(), scene, progress) {
             Err(RenderError::Unsupported {
                 backend: "gpu",
                 feature,
                 ..
             }) if !self.is_forced => {
                 *self = Self::cpu(format!("the gpu backend has no {feature}"), true);
-                self.renderer.render(scene, progress)
+                expose(self.renderer.as_ref(), scene, progress)
             }
             outcome => outcome,
         }

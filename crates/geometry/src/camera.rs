@@ -175,6 +175,19 @@ impl Camera {
         &self.distortion
     }
 
+    /// The same camera with its principal point moved by a shift in units of the focal lengths.
+    ///
+    /// # Errors
+    /// A distortion that folds the image now.
+    pub fn with_principal_point_shifted(&self, shift: &Pixel) -> Result<Self, CameraError> {
+        let intrinsics = Intrinsics {
+            cx_px: self.intrinsics.cx_px + self.intrinsics.fx_px * shift.x,
+            cy_px: self.intrinsics.cy_px + self.intrinsics.fy_px * shift.y,
+            ..self.intrinsics
+        };
+        Self::new(intrinsics, self.distortion)
+    }
+
     /// Whether straight rods are straight lines in the image.
     pub fn is_pinhole(&self) -> bool {
         self.model == Model::Pinhole

@@ -40,6 +40,12 @@ const SCALARS: [Scalar; 3] = [
     ("disparity_px", |p| &mut p.disparity_px),
 ];
 
+/// The triples that are light, and not geometry: means over the pixel.
+pub(crate) fn light_fields() -> impl Iterator<Item = fn(&mut PixelTruth) -> &mut [f32; 3]> {
+    let light = TRIPLES.iter().filter(|(_, suffixes, _)| *suffixes == BANDS);
+    light.map(|(.., field)| *field)
+}
+
 /// Writes every channel of an eye as one layer.
 pub(crate) fn write_exr(path: &Path, frame: &EyeFrame) -> Result<(), RenderError> {
     let whole = |name: &str, value: fn(&PixelTruth) -> u32| {

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
+use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{
     ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat,
@@ -37,6 +38,28 @@ pub fn write_image(path: &Path, image: &Image) -> Result<(), RenderError> {
     };
     write_whole(path, |file| {
         PngEncoder::new_with_quality(file, CompressionType::Fast, FilterType::Adaptive)
+            .write_image(data, image.width_px(), image.height_px(), colour)
+            .map_err(std::io::Error::other)
+    })
+}
+
+/// Writes a JPEG of the quality given, 1 to 100; colour is not subsampled.
+///
+/// # Errors
+/// The file cannot be written, an image of 16 bits, or a side longer than 65 535 px, which the format cannot hold.
+pub fn write_jpeg(path: &Path, image: &Image, quality: u8) -> Result<(), RenderError> {
+    let Samples::U8(data) = image.samples() else {
+        return Err(io(
+            path,
+            "expected an image of 8 bits for a JPEG, found one of 16",
+        ));
+    };
+    let colour = match image.channels() {
+        1 => ExtendedColorType::L8,
+        _ => ExtendedColorType::Rgb8,
+    };
+    write_whole(path, |file| {
+        JpegEncoder::new_with_quality(file, quality)
             .write_image(data, image.width_px(), image.height_px(), colour)
             .map_err(std::io::Error::other)
     })

@@ -1,7 +1,7 @@
 //! Ground-truth stereo pairs of rods under water.
 //!
 //! [`Renderer::render`] takes a validated [`Scene`] to a [`Frame`]: linear radiance with every truth channel, per eye.
-//! [`develop`] turns radiance into the images a sensor would give, [`Truth::of`] writes down what is to be found in them, and
+//! [`expose`] does so as often as aperture and motion ask for. [`develop`] turns radiance into the images a sensor would give, [`Truth::of`] writes down what is to be found in them, and
 //! [`write_pair`] puts all of it on disk.
 //!
 //! Every sample is a camera ray; rods are analytic capped cylinders, never tessellated, so that a label and its image agree to
@@ -10,11 +10,13 @@
 mod bvh;
 mod cpu;
 mod develop;
+mod exposure;
 mod exr_file;
 mod frame;
 mod gpu;
 mod image_file;
 mod lattice;
+mod lens;
 mod noise;
 mod pair;
 mod srgb;
@@ -23,10 +25,11 @@ mod whole_file;
 
 pub use cpu::CpuRenderer;
 pub use develop::{Developed, develop};
+pub use exposure::expose;
 pub use exr_file::read_exr;
 pub use frame::{EyeFrame, Frame, PixelTruth};
 pub use gpu::{AdapterChoice, GpuRenderer};
-pub use image_file::{read_image, write_image};
+pub use image_file::{read_image, write_image, write_jpeg};
 pub use lattice::edge_offsets;
 pub use noise::Philox;
 pub use pair::{PairPaths, write_pair};
@@ -94,6 +97,20 @@ pub enum RenderError {
     },
     #[error("adapter {adapter}: {message}")]
     Device { adapter: String, message: String },
+    #[error(
+        "scene \"{scene}\": lens.aperture and motion: expected a blur that takes at most 2047 renders, found a motion of \
+         {motion_px:.1} px and a circle of confusion of {blur_px:.1} px, which take {renders}"
+    )]
+    Blur {
+        scene: String,
+        motion_px: f64,
+        blur_px: f64,
+        renders: f64,
+    },
+    #[error(
+        "scene \"{scene}\": lens.aperture: through a point of it the camera is none: {message}"
+    )]
+    Lens { scene: String, message: String },
     #[error("{}: {message}", path.display())]
     Io {
         path: std::path::PathBuf,

@@ -12,6 +12,7 @@ use crate::cpu::rod::Rods;
 use crate::cpu::solid::Ray;
 use crate::cpu::world::World;
 use crate::frame::Frame;
+use crate::lens;
 use view::EyeView;
 
 /// All that is true of a rendered pair. Vectors are in the rig frame unless they say otherwise.
@@ -149,6 +150,7 @@ impl Truth {
     /// cannot be seen by the eye it is picked in, which a validated scene rules out.
     pub fn of(scene: &Scene, frame: &Frame, gain: f64) -> Option<Self> {
         let world = World::new(scene);
+        let light = Eye::BOTH.map(|eye| lens::on_sensor(frame.eye(eye), scene, eye));
         Some(Self {
             schema: Self::SCHEMA,
             generator: concat!("rodsight ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -170,7 +172,7 @@ impl Truth {
                 .rods
                 .iter()
                 .enumerate()
-                .map(|(index, rod)| rod_truth(&world, index, rod, frame, gain))
+                .map(|(index, rod)| rod_truth(&world, index, rod, frame, &light, gain))
                 .collect(),
             grasp: grasp_truth(scene)?,
         })
@@ -212,7 +214,14 @@ fn grasp_truth(scene: &Scene) -> Option<GraspTruth> {
     })
 }
 
-fn rod_truth(world: &World<'_>, index: usize, rod: &Rod, frame: &Frame, gain: f64) -> RodTruth {
+fn rod_truth(
+    world: &World<'_>,
+    index: usize,
+    rod: &Rod,
+    frame: &Frame,
+    light: &[Vec<[f32; 3]>; 2],
+    gain: f64,
+) -> RodTruth {
     let rig = &world.scene.rig;
     let arc = Arc::of(rod);
     let axis = arc.at(0.0);
@@ -224,6 +233,7 @@ fn rod_truth(world: &World<'_>, index: usize, rod: &Rod, frame: &Frame, gain: f6
             arc,
             mounted: rig.eye(eye),
             frame: frame.eye(eye),
+            light: &light[eye as usize],
         }
         .truth(index, gain)
     };

@@ -11,9 +11,10 @@ mod common;
 
 use rodsight_geometry::{Eye, Image, Samples, Vec3};
 use rodsight_render::{
-    CpuRenderer, PairPaths, Renderer, Truth, develop, read_exr, read_image, write_image, write_pair,
+    CpuRenderer, PairPaths, Renderer, Truth, develop, read_exr, read_image, write_image,
+    write_jpeg, write_pair,
 };
-use rodsight_scene::Scene;
+use rodsight_scene::{ImageFormat, Output, Scene};
 
 fn scene() -> Scene {
     let mut scene = common::wet(16);
@@ -45,8 +46,8 @@ fn pair_is_read_back_to_the_bit() {
     let paths: PairPaths =
         write_pair(folder.path(), &scene, Some(&frame), &developed, &truth).unwrap();
     for (eye, exr, png) in [
-        (Eye::Left, &paths.left_exr, &paths.left_png),
-        (Eye::Right, &paths.right_exr, &paths.right_png),
+        (Eye::Left, &paths.left_exr, &paths.left_image),
+        (Eye::Right, &paths.right_exr, &paths.right_image),
     ] {
         let back = read_exr(exr).unwrap();
         assert_eq!(
@@ -149,4 +150,59 @@ fn files_that_are_none_of_ours_are_named() {
             "{message}"
         );
     }
+}
+
+/// JPEG images and raw codes beside them; a later run in the other format leaves no image of this one.
+#[test]
+fn jpeg_and_raw_images_are_written_and_taken_away_again() {
+    let mut scene = scene();
+    scene.bits = 8;
+    scene.output = Output {
+        format: ImageFormat::Jpeg,
+        jpeg_quality: 95,
+        raw: true,
+    };
+    let frame = CpuRenderer.render(&scene, &|_| ()).unwrap();
+    let developed = develop(&frame, &scene).unwrap();
+    let truth = Truth::of(&scene, &frame, developed.gain).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let paths = write_pair(folder, &scene, None, &developed, &truth).unwrap();
+    assert_eq!(paths.left_image, folder.join("left.jpg"));
+    assert_eq!(PairPaths::found_in(folder).right_image, paths.right_image);
+    let back = read_image(&paths.right_image).unwrap();
+    let (Samples::U8(back), Samples::U8(sent)) = (back.samples(), developed.right.samples()) else {
+        panic!("8 bits")
+    };
+    let differences = back
+        .iter()
+        .zip(sent)
+        .map(|(a, b)| f64::from(a.abs_diff(*b)));
+    let mean = differences.sum::<f64>() / sent.len() as f64;
+    assert!(mean > 0.0 && mean < 4.0, "{mean}");
+    let raw = developed.raw.as_ref().unwrap();
+    assert_eq!(&read_image(&paths.left_raw).unwrap(), &raw[0]);
+
+    scene.output = Output::default();
+    let developed = develop(&frame, &scene).unwrap();
+    write_pair(folder, &scene, None, &developed, &truth).unwrap();
+    for gone in [
+        &paths.left_image,
+        &paths.right_image,
+        &paths.left_raw,
+        &paths.right_raw,
+    ] {
+        assert!(!gone.exists(), "{}", gone.display());
+    }
+    assert_eq!(
+        PairPaths::found_in(folder).left_image,
+        folder.join("left.png")
+    );
+
+    let wide = Image::new(2, 1, 1, Samples::U16(vec![1, 2])).unwrap();
+    let error = write_jpeg(&folder.join("wide.jpg"), &wide, 90).unwrap_err();
+    assert!(
+        error.to_string().contains("expected an image of 8 bits"),
+        "{error}"
+    );
 }

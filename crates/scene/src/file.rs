@@ -13,7 +13,7 @@ pub use content::{
     OccluderEntry, PropEntry, RipplesEntry, SphereEntry, StripesEntry, SurfaceEntry,
 };
 
-use crate::Mode;
+use crate::{Bayer, Lens, Mode, MotionEntry, Output};
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
@@ -75,9 +75,21 @@ pub struct SceneFile {
         skip_serializing_if = "is_no_white_balance"
     )]
     pub white_balance: [f64; 3],
+    /// From balanced bands to the display's red, green and blue: three rows, each of which sums to 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colour_matrix: Option<[[f64; 3]; 3]>,
+    /// The lens.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub lens: Lens,
+    /// How the rig moves during the exposure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<MotionEntry>,
     /// Noise of the sensor.
     #[serde(default)]
     pub sensor: SensorEntry,
+    /// The image files.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub output: Output,
     /// How finely rays are cast.
     #[serde(default)]
     pub sampling: SamplingEntry,
@@ -356,6 +368,10 @@ pub struct EmvaEntry {
     pub adc_bits: u8,
     /// Which specimen of the sensor: its fixed pattern (prnu, dsnu) stays the same whatever the scene's seed.
     pub pattern_seed: u64,
+    /// Colour filters over the pixels, one band each: `{ pattern = "rggb", demosaic = "malvar" }`. Without, every pixel has all
+    /// three bands.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bayer: Option<Bayer>,
 }
 
 impl Default for EmvaEntry {
@@ -368,6 +384,7 @@ impl Default for EmvaEntry {
             dsnu_e: 1.0,
             adc_bits: 12,
             pattern_seed: 0,
+            bayer: None,
         }
     }
 }

@@ -14,6 +14,7 @@
 //!
 //! This crate draws nothing and knows no images.
 
+mod camera;
 mod check;
 mod content;
 mod error;
@@ -26,6 +27,9 @@ mod resolve;
 mod rod;
 mod write;
 
+pub use camera::{
+    Aperture, Bayer, BayerPattern, Demosaic, ImageFormat, Lens, Motion, MotionEntry, Output,
+};
 pub use error::SceneError;
 pub use file::{AutoExposureEntry, FournierForandEntry, HenyeyGreensteinEntry, PlainSensorEntry};
 pub use file::{

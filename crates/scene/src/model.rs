@@ -10,6 +10,8 @@ use rodsight_optics::{Bands, Medium};
 pub use content::{Clutter, Finish, Fouling, Gloss, Grain, Occluder, Prop, PropFrame, Ripples};
 pub use content::{Shape, Stripes};
 
+use crate::{Bayer, Lens, Motion, Output};
+
 /// A scene, ready to be rendered.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -43,10 +45,18 @@ pub struct Scene {
     pub exposure: Exposure,
     /// Gains of the bands after the sensor, at least 1: what makes the lamps' light white.
     pub white_balance: Bands,
+    /// From balanced bands to the display's primaries, rows that sum to 1; the bands themselves if absent.
+    pub colour_matrix: Option<[[f64; 3]; 3]>,
+    /// The lens, alike in both cameras.
+    pub lens: Lens,
+    /// How the rig moves during the exposure; it stands still if absent.
+    pub motion: Option<Motion>,
     /// Noise of the sensor.
     pub sensor: Sensor,
     /// Bits per sample of the images, 8 or 16.
     pub bits: u8,
+    /// The image files.
+    pub output: Output,
     /// How finely rays are cast.
     pub sampling: Sampling,
     /// What is to be grasped.
@@ -182,6 +192,8 @@ pub struct Emva {
     pub adc_bits: u8,
     /// Which specimen of the sensor: its fixed pattern, whatever the scene's seed.
     pub pattern_seed: u64,
+    /// Colour filters; without, each pixel has all three bands.
+    pub bayer: Option<Bayer>,
 }
 
 /// How finely rays are cast.

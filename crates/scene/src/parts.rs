@@ -213,6 +213,7 @@ impl SensorEntry {
                     dsnu_e: no.not_negative("sensor.emva.dsnu_e", emva.dsnu_e)?,
                     adc_bits: emva.adc_bits,
                     pattern_seed: emva.pattern_seed,
+                    bayer: emva.bayer,
                 })
             }
         })

@@ -5,6 +5,7 @@ use std::path::Path;
 use rodsight_geometry::{Rig, RigError, config};
 use rodsight_optics::Medium;
 
+use crate::camera;
 use crate::check::{list, nearest_fibonacci};
 use crate::error::{Complaints, with_key};
 use crate::file::{EdgeEntry, SceneFile};
@@ -95,6 +96,7 @@ impl SceneFile {
             rods.push(rod);
         }
         let (occluders, props) = self.bodies(&no, &rods)?;
+        let sensor = self.sensor.to_sensor(&no)?;
         let scene = Scene {
             id: self.id.clone(),
             seed: self.seed,
@@ -118,7 +120,14 @@ impl SceneFile {
                 "between 1 and 16",
                 |gain| (1.0..=16.0).contains(&gain),
             )?,
-            sensor: self.sensor.to_sensor(&no)?,
+            colour_matrix: self
+                .colour_matrix
+                .map(|rows| camera::colour_matrix(&no, rows))
+                .transpose()?,
+            lens: self.lens.checked(&no)?,
+            motion: self.motion.map(|m| m.to_motion(&no)).transpose()?,
+            sensor,
+            output: self.output.checked(&no, self.bits, &sensor)?,
             bits: self.bits,
             sampling: self.sampling(&no)?,
             target: self.target(&no, &rods)?,

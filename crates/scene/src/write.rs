@@ -11,7 +11,7 @@ use crate::file::{
     PropEntry, RipplesEntry, RodEntry, SamplingEntry, SceneFile, SeabedEntry, SensorEntry,
     SurfaceEntry, TargetEntry, WaterEntry,
 };
-use crate::{EdgeSampling, Exposure, Lamp, Material, Rod, Scene, Sensor};
+use crate::{EdgeSampling, Exposure, Lamp, Material, MotionEntry, Rod, Scene, Sensor};
 
 impl SceneFile {
     /// The file that describes a scene with nothing left to look up: the rig inline, the water by its numbers. A scene that
@@ -63,7 +63,11 @@ impl SceneFile {
                     ExposureEntry::Auto(AutoExposureEntry { quantile, level })
                 }
             },
+            lens: scene.lens,
+            motion: scene.motion.as_ref().map(MotionEntry::from_motion),
+            output: scene.output,
             white_balance: scene.white_balance,
+            colour_matrix: scene.colour_matrix,
             sensor: match scene.sensor {
                 Sensor::Plain { noise_sigma_dn } => {
                     SensorEntry::Plain(PlainSensorEntry { noise_sigma_dn })
@@ -76,6 +80,7 @@ impl SceneFile {
                     dsnu_e: emva.dsnu_e,
                     adc_bits: emva.adc_bits,
                     pattern_seed: emva.pattern_seed,
+                    bayer: emva.bayer,
                 }),
             },
             sampling: SamplingEntry {
@@ -160,7 +165,7 @@ impl RodEntry {
 
 /// The degrees that [`radians`] takes to exactly this angle, if the angle came from degrees: rounding may need the
 /// neighbour, and the shortest decimal is what was typed.
-fn degrees_that_read_back(angle_rad: f64) -> f64 {
+pub(crate) fn degrees_that_read_back(angle_rad: f64) -> f64 {
     let near = degrees(angle_rad);
     let rounded = (near * 1e9).round() / 1e9;
     [rounded, near, near.next_up(), near.next_down()]

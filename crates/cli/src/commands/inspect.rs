@@ -14,11 +14,11 @@ use crate::picture::{Annotation, Canvas, annotated, channel_panels, close_up};
 use crate::progress::Progress;
 
 pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
-    let paths = PairPaths::in_folder(&args.folder);
+    let paths = PairPaths::found_in(&args.folder);
     let truth = load_truth(&paths.truth_json)?;
     let progress = Progress::busy("drawing");
-    let left = EyePictures::load(&truth, Eye::Left, &paths.left_png, &paths.left_exr)?;
-    let right = EyePictures::load(&truth, Eye::Right, &paths.right_png, &paths.right_exr)?;
+    let left = EyePictures::load(&truth, Eye::Left, &paths.left_image, &paths.left_exr)?;
+    let right = EyePictures::load(&truth, Eye::Right, &paths.right_image, &paths.right_exr)?;
 
     // A row for each eye.
     let sheet_rows = [&left, &right].map(|eye| {

@@ -51,15 +51,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     claim_output(&args.output)?;
     let mut rendered = render(&scene, args.backend).map_err(|failure| failure.of(&args.scene))?;
     let paths = write(&args.output, &scene, &mut rendered, Channels::Written)?;
-    let files = [
-        &paths.left_png,
-        &paths.right_png,
-        &paths.left_exr,
-        &paths.right_exr,
-        &paths.rig_toml,
-        &paths.scene_toml,
-        &paths.truth_json,
-    ];
+    let mut files = vec![&paths.left_image, &paths.right_image];
+    if rendered.developed.raw.is_some() {
+        files.extend([&paths.left_raw, &paths.right_raw]);
+    }
+    files.extend([&paths.left_exr, &paths.right_exr]);
+    files.extend([&paths.rig_toml, &paths.scene_toml, &paths.truth_json]);
     if args.json {
         return print_json(&Summary {
             schema: 1,
@@ -77,17 +74,21 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let [u_px, v_px] = rendered.truth.grasp.pick_px;
     let folder = args.output.display();
+    let names = files.iter().filter_map(|path| path.file_name()?.to_str());
+    let names: Vec<&str> = names.collect();
     print_text(&format!(
         "{} rendered by the {} backend on {} ({}) in {:.1} s, written in {:.1} s\n\
-         {folder}: left.png right.png left.exr right.exr rig.toml scene.toml truth.json\n\
-         next: rodsight solve --left {folder}/left.png --right {folder}/right.png --rig {folder}/rig.toml \
-         --pick {u_px:.1},{v_px:.1},{}\n",
+         {folder}: {}\n\
+         next: rodsight solve --left {} --right {} --rig {folder}/rig.toml --pick {u_px:.1},{v_px:.1},{}\n",
         scene.id,
         rendered.frame.backend,
         rendered.frame.adapter,
         rendered.why,
         rendered.timing_ms.render / 1e3,
         rendered.timing_ms.write / 1e3,
+        names.join(" "),
+        paths.left_image.display(),
+        paths.right_image.display(),
         rendered.truth.grasp.pick_eye.name(),
     ))
 }

@@ -1,13 +1,20 @@
-//! From radiance to the images a camera would give: exposure, noise, sRGB, quantisation.
+//! From radiance to the images a camera would give: exposure, noise, mosaic, white balance, colour matrix, sRGB, quantisation.
+
+mod bayer;
+mod emva;
+mod print;
 
 use rayon::prelude::*;
 use rodsight_geometry::{Eye, Image, Samples};
 use rodsight_scene::{Emva, Exposure, Scene, Sensor};
 
 use crate::RenderError;
-use crate::frame::{EyeFrame, Frame};
+use crate::frame::Frame;
+use crate::lens;
 use crate::noise::Philox;
-use crate::srgb::{srgb_encode, srgb_slope};
+use crate::srgb::srgb_slope;
+use emva::Chip;
+use print::Printer;
 
 /// Both images, and the exposure they were taken with.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +23,8 @@ pub struct Developed {
     pub left: Image,
     /// The right image.
     pub right: Image,
+    /// The converter's codes as they are, left and right, where the scene asks for them.
+    pub raw: Option<[Image; 2]>,
     /// Fraction of full scale per W m⁻² sr⁻¹, the same for both eyes.
     pub gain: f64,
 }
@@ -30,56 +39,51 @@ impl Developed {
     }
 }
 
-/// What random numbers are for; part of the counter, so that no two uses share one.
-#[derive(Clone, Copy)]
-enum Purpose {
-    /// Normals for the three channels of a pixel.
-    Plain,
-    /// Normals for a sample: photons, read-out.
-    Electrons,
-    /// Normals for a sample: response, offset.
-    Pattern,
-    /// Uniforms for few photons.
-    FewPhotons,
-}
-
-/// Exposes, adds the sensor's noise, encodes as sRGB and quantises.
+/// Exposes, adds the sensor's noise, takes a colour filter's mosaic apart where there is one, encodes as sRGB and quantises.
 ///
 /// # Errors
 /// Automatic exposure of a scene without any light.
 pub fn develop(frame: &Frame, scene: &Scene) -> Result<Developed, RenderError> {
-    let gain = exposure_gain(frame, scene)?;
-    let philox = Philox::new(scene.seed);
-    let image = |eye: Eye| {
-        let eye_frame = frame.eye(eye);
-        let samples = if scene.bits == 16 {
-            Samples::U16(digital(eye_frame, scene, eye, gain, philox, 65535.0, |v| {
-                v as u16
-            }))
-        } else {
-            Samples::U8(digital(eye_frame, scene, eye, gain, philox, 255.0, |v| {
-                v as u8
-            }))
+    let light = Eye::BOTH.map(|eye| lens::on_sensor(frame.eye(eye), scene, eye));
+    let gain = exposure_gain(&light, scene)?;
+    let images = Eye::BOTH.map(|eye| {
+        let shot = Shot {
+            scene,
+            eye,
+            light: &light[eye as usize],
+            size_px: [frame.eye(eye).width_px, frame.eye(eye).height_px],
+            gain,
         };
-        Image::new(eye_frame.width_px, eye_frame.height_px, 3, samples)
-            .expect("three samples a pixel")
-    };
+        let (samples, codes) = if scene.bits == 16 {
+            let (values, codes) = shot.digital(65535.0, |v| v as u16);
+            (Samples::U16(values), codes)
+        } else {
+            let (values, codes) = shot.digital(255.0, |v| v as u8);
+            (Samples::U8(values), codes)
+        };
+        let codes = codes.filter(|_| scene.output.raw);
+        (
+            shot.image(samples),
+            codes.map(|codes| shot.image(Samples::U16(codes))),
+        )
+    });
+    let [(left, left_raw), (right, right_raw)] = images;
     Ok(Developed {
-        left: image(Eye::Left),
-        right: image(Eye::Right),
+        left,
+        right,
+        raw: left_raw.zip(right_raw).map(Into::into),
         gain,
     })
 }
 
-fn exposure_gain(frame: &Frame, scene: &Scene) -> Result<f64, RenderError> {
+fn exposure_gain(light: &[Vec<[f32; 3]>; 2], scene: &Scene) -> Result<f64, RenderError> {
     let (quantile, level) = match scene.exposure {
         Exposure::Fixed(gain) => return Ok(gain),
         Exposure::Auto { quantile, level } => (quantile, level),
     };
-    let pixels = frame.left.pixels.iter().chain(&frame.right.pixels);
     let balance = scene.white_balance.map(|gain| gain as f32);
-    let balanced = |light: [f32; 3]| [0, 1, 2].map(|k| light[k] * balance[k]);
-    let mut values: Vec<f32> = pixels.flat_map(|pixel| balanced(pixel.radiance)).collect();
+    let balanced = |light: &[f32; 3]| [0, 1, 2].map(|k| light[k] * balance[k]);
+    let mut values: Vec<f32> = light.iter().flatten().flat_map(balanced).collect();
     let index = ((values.len() - 1) as f64 * quantile) as usize;
     let (_, value, _) = values.select_nth_unstable_by(index, f32::total_cmp);
     if *value > 0.0 {
@@ -91,102 +95,94 @@ fn exposure_gain(frame: &Frame, scene: &Scene) -> Result<f64, RenderError> {
     }
 }
 
-fn digital<T: Copy + Send + Sync>(
-    frame: &EyeFrame,
-    scene: &Scene,
+/// One eye's picture on its way through the sensor.
+struct Shot<'a> {
+    scene: &'a Scene,
     eye: Eye,
+    /// What falls on the sensor, W m⁻² sr⁻¹.
+    light: &'a [[f32; 3]],
+    size_px: [u32; 2],
     gain: f64,
-    philox: Philox,
-    full_scale: f64,
-    quantise: impl Fn(f64) -> T + Sync,
-) -> Vec<T> {
-    let number = |encoded: f64| quantise(libm::round(encoded.clamp(0.0, 1.0) * full_scale));
-    let counter = |pixel: usize, channel: usize, purpose: Purpose| {
-        let stream = (eye as u32) << 8 | purpose as u32;
-        [pixel as u32, channel as u32, stream, 0]
-    };
-    let signals = |pixel: usize| frame.pixels[pixel].radiance.map(|v| gain * f64::from(v));
-    let pixels = (0..frame.pixels.len()).into_par_iter();
-    let samples: Vec<[T; 3]> = match scene.sensor {
-        Sensor::Plain { noise_sigma_dn } => pixels
-            .map(|pixel| {
-                let noise = if noise_sigma_dn > 0.0 {
-                    philox.normals(counter(pixel, 0, Purpose::Plain))
-                } else {
-                    [0.0; 4]
-                };
-                let signal = signals(pixel);
-                core::array::from_fn(|k| {
-                    let encoded = srgb_encode(scene.white_balance[k] * signal[k]);
-                    number(encoded + noise_sigma_dn / 255.0 * noise[k])
-                })
-            })
-            .collect(),
-        Sensor::Emva(emva) => {
-            // A converter knows few values: each is balanced, encoded and quantised once.
-            let encoded = scene.white_balance.map(|balance| {
-                let linear = (0..=converter_steps(&emva)).map(|code| emva_linear(&emva, code));
-                linear
-                    .map(|value| number(srgb_encode(balance * value)))
-                    .collect::<Vec<T>>()
-            });
-            let specimen = Philox::new(emva.pattern_seed);
-            pixels
-                .map(|pixel| {
-                    let signal = signals(pixel);
-                    core::array::from_fn(|k| {
-                        let few = counter(pixel, k, Purpose::FewPhotons);
-                        let [photons, read, ..] =
-                            philox.normals(counter(pixel, k, Purpose::Electrons));
-                        let [response, offset, ..] =
-                            specimen.normals(counter(pixel, k, Purpose::Pattern));
-                        let normals = [response, photons, read, offset];
-                        encoded[k][expose(&emva, signal[k], philox, few, normals)]
-                    })
-                })
-                .collect()
-        }
-    };
-    samples.into_flattened()
 }
 
-/// EMVA 1288, release 4.0, section 3: electrons of light and dark current (Poisson), clipped at the full well, read noise and
-/// offset non-uniformity, then the converter, whose code it returns. Response and offset of a pixel are those of the
-/// specimen: they stay when the scene's seed changes.
-fn expose(
-    emva: &Emva,
-    signal: f64,
-    philox: Philox,
-    few_photons: [u32; 4],
-    [response, photons, read, offset]: [f64; 4],
-) -> usize {
-    let light_e = signal * emva.full_well_e * (1.0 + emva.prnu * response).max(0.0);
-    let collected_e = philox
-        .poisson(light_e + emva.dark_e, photons, few_photons)
-        .min(emva.full_well_e);
-    let read_e = collected_e + emva.read_noise_e * read + emva.dsnu_e * offset;
-    let steps = converter_steps(emva) as f64;
-    libm::round(read_e / emva.full_well_e * steps).clamp(0.0, steps) as usize
-}
+impl Shot<'_> {
+    fn image(&self, samples: Samples) -> Image {
+        let [width_px, height_px] = self.size_px;
+        let channels = (samples.len() / self.light.len()) as u8;
+        Image::new(width_px, height_px, channels, samples).expect("one or three samples a pixel")
+    }
 
-/// The converter's highest code, which stands for the full well.
-fn converter_steps(emva: &Emva) -> usize {
-    (1 << emva.adc_bits) - 1
-}
+    /// Three encoded samples a pixel, and the converter's codes, which the plain sensor has none of.
+    fn digital<T: Copy + Send + Sync>(
+        &self,
+        full_scale: f64,
+        quantise: impl Fn(f64) -> T + Sync,
+    ) -> (Vec<T>, Option<Vec<u16>>) {
+        let quantise = |encoded: f64| quantise(libm::round(encoded.clamp(0.0, 1.0) * full_scale));
+        let printer = Printer::new(self.scene);
+        let (pixels, codes) = match &self.scene.sensor {
+            Sensor::Plain { noise_sigma_dn } => {
+                (self.plain(noise_sigma_dn / 255.0, &printer, quantise), None)
+            }
+            Sensor::Emva(emva) => {
+                let (pixels, codes) = self.emva(emva, printer, quantise);
+                (pixels, Some(codes))
+            }
+        };
+        (pixels.into_flattened(), codes)
+    }
 
-/// Linear value of a code, 1 = full well, with the dark level taken off.
-fn emva_linear(emva: &Emva, code: usize) -> f64 {
-    code as f64 / converter_steps(emva) as f64 - emva.dark_e / emva.full_well_e
+    fn plain<T: Send>(
+        &self,
+        sigma: f64,
+        printer: &Printer,
+        quantise: impl Fn(f64) -> T + Sync,
+    ) -> Vec<[T; 3]> {
+        let philox = Philox::new(self.scene.seed);
+        let pixels = self.light.par_iter().enumerate().map(|(pixel, light)| {
+            let noise = if sigma > 0.0 {
+                philox.normals([pixel as u32, 0, (self.eye as u32) << 8, 0])
+            } else {
+                [0.0; 4]
+            };
+            let encoded = printer.encode(light.map(|v| self.gain * f64::from(v)));
+            [0, 1, 2].map(|k| quantise(encoded[k] + sigma * noise[k]))
+        });
+        pixels.collect()
+    }
+
+    /// One code a pixel under colour filters, else three.
+    fn emva<T: Copy + Send + Sync>(
+        &self,
+        emva: &Emva,
+        printer: Printer,
+        quantise: impl Fn(f64) -> T + Sync,
+    ) -> (Vec<[T; 3]>, Vec<u16>) {
+        let chip = Chip::new(emva, self.scene.seed, self.eye);
+        let Some(bayer) = emva.bayer else {
+            let codes = chip.three_chips(self.light, self.gain);
+            let print = printer.of_codes(emva, 1, quantise);
+            let pixels = codes.par_chunks_exact(3);
+            let pixels = pixels.map(|p| print([p[0], p[1], p[2]].map(i32::from)));
+            return (pixels.collect(), codes);
+        };
+        let width = self.size_px[0] as usize;
+        let filter = |pixel| bayer::filter(bayer, pixel % width, pixel / width);
+        let codes = chip.mosaic(self.light, self.gain, filter);
+        let print = printer.of_codes(emva, bayer::PARTS, quantise);
+        let pixels = bayer::demosaic(bayer, &codes, width).into_par_iter();
+        (pixels.map(&print).collect(), codes)
+    }
 }
 
 /// Standard deviation of the noise on an encoded sample, fraction of full scale, at a linear value before white balance; without
-/// the rounding to the image's bits and without clipping.
+/// mosaic, colour matrix, the rounding to the image's bits and clipping.
 pub(crate) fn noise_sigma(sensor: &Sensor, signal: f64, balance: f64) -> f64 {
     match sensor {
         Sensor::Plain { noise_sigma_dn } => noise_sigma_dn / 255.0,
         Sensor::Emva(emva) => {
             let light_e = signal.max(0.0) * emva.full_well_e;
-            let step_e = emva.full_well_e / converter_steps(emva) as f64;
+            let step_e = emva.full_well_e / f64::from(emva::steps(emva));
             let variance_e2 = light_e
                 + step_e * step_e / 12.0
                 + emva.dark_e

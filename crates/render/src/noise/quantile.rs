@@ -1,4 +1,5 @@
 //! The standard normal distribution's quantile.
+#![expect(clippy::excessive_precision, reason = "digits as they are published")]
 
 use core::f64::consts::PI;
 use std::sync::LazyLock;

@@ -18,6 +18,8 @@ pub(super) struct EyeView<'a> {
     pub(super) arc: Arc,
     pub(super) mounted: &'a MountedCamera,
     pub(super) frame: &'a EyeFrame,
+    /// What falls on the sensor.
+    pub(super) light: &'a [[f32; 3]],
 }
 
 /// Points along a curve of the truth.
@@ -185,7 +187,7 @@ impl EyeView<'_> {
         (count > 0.0).then(|| (squares / count).sqrt())
     }
 
-    /// Radiance just inside and just outside a limb at s.
+    /// Light just inside and just outside a limb at s.
     fn across_limb(&self, s_m: f64, side: f64) -> Option<[[f32; 3]; 2]> {
         let limb_at = |s_m: f64| self.mounted.project(&self.contour_point(s_m, side)?);
         let limb = limb_at(s_m)?;
@@ -198,7 +200,7 @@ impl EyeView<'_> {
             self.mounted.camera.contains(&pixel).then(|| {
                 let column = (pixel.x as u32).min(self.frame.width_px - 1);
                 let row = (pixel.y as u32).min(self.frame.height_px - 1);
-                self.frame.at(column, row).radiance
+                self.light[(row * self.frame.width_px + column) as usize]
             })
         };
         Some([

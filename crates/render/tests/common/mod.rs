@@ -15,7 +15,8 @@ use rodsight_geometry::{
 };
 use rodsight_optics::Medium;
 use rodsight_scene::{
-    EdgeSampling, Exposure, Lamp, Material, Mode, Rod, Sampling, Scene, Sensor, Target,
+    EdgeSampling, Exposure, Lamp, Lens, Material, Mode, Output, Rod, Sampling, Scene, Sensor,
+    Target,
 };
 
 /// The founding rig at a fraction 1/`shrink` of its resolution.
@@ -61,6 +62,10 @@ pub fn empty(shrink: u32) -> Scene {
         seabed: None,
         exposure: Exposure::Fixed(1.0),
         white_balance: [1.0; 3],
+        colour_matrix: None,
+        lens: Lens::default(),
+        motion: None,
+        output: Output::default(),
         sensor: Sensor::Plain {
             noise_sigma_dn: 0.0,
         },
@@ -138,6 +143,7 @@ pub fn wet(shrink: u32) -> Scene {
         dsnu_e: 1.0,
         adc_bits: 12,
         pattern_seed: 0,
+        bayer: None,
     });
     scene
 }

@@ -1,0 +1,187 @@
+//! What a lens and a shutter do to light: a picture is a mean of pinhole pictures, over the points of the aperture and over the
+//! time that the shutter is open. Nothing less knows what lies hidden behind a blurred edge. Works with any backend.
+
+use core::f64::consts::PI;
+
+use rayon::prelude::*;
+use rodsight_geometry::{CameraFrame, Eye, Mat3, MountedCamera, Pixel, Pose, RigFrame, Vec3};
+use rodsight_scene::{Aperture, Motion, Scene};
+
+use crate::exr_file::light_fields;
+use crate::frame::{EyeFrame, Frame};
+use crate::{RenderError, Renderer};
+
+/// Stands for no surface: what moves there moves with the turn alone, m.
+const FAR_M: f64 = 1e4;
+/// With an aperture, at least so many.
+const LEAST: f64 = 33.0;
+/// More than this is a slip of units rather than a wish.
+const MOST: f64 = 2047.0;
+
+/// Renders both eyes as the scene's aperture and motion show them. Light is the mean over aperture and exposure time; geometry is
+/// that of the lens's centre in the middle of the exposure.
+///
+/// The number of renders follows from the largest blur in the picture: two a pixel of motion; two a square pixel of the circle of
+/// confusion, and at least 33. A still scene without an aperture is rendered once.
+///
+/// # Errors
+/// As [`Renderer::render`], and a blur that would take more than 2047 renders.
+pub fn expose(
+    renderer: &dyn Renderer,
+    scene: &Scene,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Frame, RenderError> {
+    if scene.motion.is_none() && scene.lens.aperture.is_none() {
+        return renderer.render(scene, progress);
+    }
+    // Only the first render tells how many there will be.
+    let mut frame = renderer.render(scene, &|_| ())?;
+    let renders = renders(scene, &frame)?;
+    let share = 1.0 / renders as f32;
+    for eye in [&mut frame.left, &mut frame.right] {
+        gather(eye, None, share);
+    }
+    for index in 1..renders {
+        let done = |part: f64| progress((index as f64 + part) / renders as f64);
+        let one = renderer.render(&instant(scene, index, renders)?, &done)?;
+        gather(&mut frame.left, Some(&one.left), share);
+        gather(&mut frame.right, Some(&one.right), share);
+    }
+    Ok(frame)
+}
+
+/// Adds a share of the light of a render, or takes the share of what is there.
+fn gather(sum: &mut EyeFrame, one: Option<&EyeFrame>, share: f32) {
+    sum.pixels
+        .par_iter_mut()
+        .enumerate()
+        .for_each(|(index, pixel)| {
+            let mut other = one.map_or(*pixel, |eye| eye.pixels[index]);
+            for field in light_fields() {
+                let light = *field(&mut other);
+                let sum = field(pixel);
+                for k in 0..3 {
+                    let before = if one.is_some() { sum[k] } else { 0.0 };
+                    sum[k] = before + share * light[k];
+                }
+            }
+        });
+}
+
+fn renders(scene: &Scene, frame: &Frame) -> Result<usize, RenderError> {
+    let (mut motion_px, mut blur_px) = (0.0_f64, 0.0_f64);
+    for eye in Eye::BOTH {
+        let mounted = scene.rig.eye(eye);
+        let ends = scene.motion.map(|motion| {
+            [-0.5, 0.5].map(|time| moved(mounted, &rig_at(&motion, time * motion.exposure_s)))
+        });
+        let eye_frame = frame.eye(eye);
+        let width = eye_frame.width_px as usize;
+        let pixels = eye_frame.pixels.par_iter().enumerate();
+        let largest = pixels.map(|(index, truth)| {
+            let pixel = Pixel::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
+            let motion_px = ends.map_or(0.0, |ends| {
+                let range_m = f64::from(truth.range_m).min(FAR_M);
+                let point = mounted
+                    .ray(&pixel)
+                    .map(|(from_m, along)| from_m + along * range_m);
+                let path = point.and_then(|p| Some(ends[1].project(&p)? - ends[0].project(&p)?));
+                path.map_or(0.0, |path| path.norm())
+            });
+            let blur_px = scene.lens.aperture.map_or(0.0, |aperture| {
+                let fx_px = mounted.camera.intrinsics().fx_px;
+                aperture.blur_px(f64::from(truth.depth_m), fx_px)
+            });
+            (motion_px, blur_px)
+        });
+        let (motion, blur) = largest.reduce(|| (0.0, 0.0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
+        (motion_px, blur_px) = (motion_px.max(motion), blur_px.max(blur));
+    }
+    let mut wanted = libm::ceil(2.0 * motion_px).max(1.0);
+    if scene.lens.aperture.is_some() {
+        wanted = wanted
+            .max(libm::ceil(0.5 * PI * blur_px * blur_px))
+            .max(LEAST);
+    }
+    if wanted <= MOST {
+        // Odd: one in the middle, the others in pairs about it.
+        Ok(wanted as usize | 1)
+    } else {
+        Err(RenderError::Blur {
+            scene: scene.id.clone(),
+            motion_px,
+            blur_px,
+            renders: wanted,
+        })
+    }
+}
+
+/// The scene as one of the renders sees it. Renders come in pairs on opposite sides of the lens's centre and of the middle of the
+/// exposure, so that nothing is shifted by them; times are equidistant, points of the aperture those of Roberts's R2 sequence.
+fn instant(scene: &Scene, index: usize, renders: usize) -> Result<Scene, RenderError> {
+    let pair = index.div_ceil(2) as f64;
+    let side = if index % 2 == 1 { 1.0 } else { -1.0 };
+    let mut scene = scene.clone();
+    if let Some(aperture) = scene.lens.aperture {
+        // Each pinhole stands for its share of the aperture.
+        let share = (renders as f64).sqrt();
+        scene.lens.aperture = Some(Aperture {
+            f_number: aperture.f_number * share,
+            ..aperture
+        });
+        let part = |step: f64| (0.5 + pair * step).fract();
+        let radius_m = 0.5 * side * aperture.diameter_m() * part(0.754_877_666_246_692_7).sqrt();
+        let (sin, cos) = libm::sincos(2.0 * PI * part(0.569_840_290_998_053_2));
+        let point_m = Vec3::new(radius_m * cos, radius_m * sin, 0.0);
+        for mounted in [&mut scene.rig.left, &mut scene.rig.right] {
+            through(mounted, &point_m, aperture.focus_m).map_err(|error| RenderError::Lens {
+                scene: scene.id.clone(),
+                message: error.to_string(),
+            })?;
+        }
+    }
+    if let Some(motion) = scene.motion {
+        let now = rig_at(&motion, side * pair / renders as f64 * motion.exposure_s);
+        scene.rig.left = moved(&scene.rig.left, &now);
+        scene.rig.right = moved(&scene.rig.right, &now);
+        for lamp in &mut scene.lamps {
+            lamp.position_m = now.point(&lamp.position_m);
+            lamp.direction = now.direction(&lamp.direction);
+        }
+    }
+    Ok(scene)
+}
+
+/// Moves a camera to a point of its own aperture, and its image so that the plane in focus stays where it is.
+fn through(
+    mounted: &mut MountedCamera,
+    point_m: &Vec3,
+    focus_m: f64,
+) -> Result<(), rodsight_geometry::CameraError> {
+    let aside = Pose::<CameraFrame, CameraFrame>::new(Mat3::identity(), *point_m);
+    mounted.rig_from_camera = mounted.rig_from_camera * aside;
+    let shift = point_m.xy() / focus_m;
+    mounted.camera = mounted.camera.with_principal_point_shifted(&shift)?;
+    Ok(())
+}
+
+/// The rig's pose at a time from the middle of the exposure, in its own frame then.
+fn rig_at(motion: &Motion, time_s: f64) -> Pose<RigFrame, RigFrame> {
+    let turn = motion.turn_rad_per_s * time_s;
+    let angle = turn.norm();
+    let rotation = if angle == 0.0 {
+        Mat3::identity()
+    } else {
+        // Rodrigues.
+        let (sin, cos) = libm::sincos(angle);
+        let cross = (turn / angle).cross_matrix();
+        Mat3::identity() + cross * sin + cross * cross * (1.0 - cos)
+    };
+    Pose::new(rotation, motion.velocity_m_per_s * time_s)
+}
+
+fn moved(mounted: &MountedCamera, now: &Pose<RigFrame, RigFrame>) -> MountedCamera {
+    let mut mounted = *mounted;
+    mounted.rig_from_camera = *now * mounted.rig_from_camera;
+    mounted
+}
