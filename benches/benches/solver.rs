@@ -27,12 +27,10 @@ fn rig() -> Rig {
         cy_px: 540.0,
     };
     let camera = Camera::new(intrinsics, Distortion::None).expect("a pinhole is a camera");
-    let mounted = |y_m: f64| MountedCamera {
-        camera,
-        rig_from_camera: Pose::<RigFrame, CameraFrame>::new(
-            Mat3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0),
-            Vec3::new(0.0, y_m, -1.0),
-        ),
+    let mounted = |y_m: f64| {
+        let axes = Mat3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+        let pose = Pose::<RigFrame, CameraFrame>::new(axes, Vec3::new(0.0, y_m, -1.0));
+        MountedCamera::new(camera, pose)
     };
     Rig {
         left: mounted(-0.5),

@@ -1,4 +1,4 @@
-//! Central cameras: pixel ↔ ray, with the lens distortions that calibration tools write.
+//! Central cameras, in air or ideal ones in water: pixel ↔ ray, with the lens distortions that calibration tools write.
 
 mod brown_conrady;
 mod kannala_brandt;
@@ -47,6 +47,10 @@ pub enum CameraError {
         "distortion: the pixel ({u_px}, {v_px}) of the image has no ray: the coefficients fold the image over itself"
     )]
     Folds { u_px: f64, v_px: f64 },
+    #[error(
+        "port: the pixel ({u_px}, {v_px}) of the image looks past the glass: its normal is turned too far from that corner's rays"
+    )]
+    PastPort { u_px: f64, v_px: f64 },
 }
 
 /// A central camera. [`ray`](Self::ray) and [`project`](Self::project) are inverse to each other on the whole image:

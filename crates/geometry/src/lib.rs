@@ -22,6 +22,7 @@ mod image;
 mod image_line;
 mod line;
 mod plane;
+pub mod port;
 mod rig;
 
 pub use camera::{Camera, CameraError, Distortion, Intrinsics};
@@ -34,9 +35,10 @@ pub use image::{Image, ImageError, Samples, StereoPair};
 pub use image_line::{ImageLine, LineFit};
 pub use line::{Line3, PlanesNearlyParallel};
 pub use plane::Plane;
+pub use port::Band;
 pub use rig::{
-    CameraEntry, DistortionEntry, Eye, MountEntry, MountedCamera, PixelOrigin, Rig, RigError,
-    RigFile,
+    CameraEntry, DistortionEntry, DomePortEntry, Eye, FlatPortEntry, MountEntry, MountedCamera,
+    PixelOrigin, PortEntry, Rig, RigError, RigFile, Sight,
 };
 
 /// A vector or point of three metres (or a unit direction); the name of the variable says which frame.

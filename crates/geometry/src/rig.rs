@@ -2,10 +2,14 @@
 
 mod file;
 mod kalibr;
+mod mounted;
 mod opencv;
+mod port_entry;
 mod yaml;
 
 pub use file::{CameraEntry, DistortionEntry, MountEntry, PixelOrigin, RigFile};
+pub use mounted::{MountedCamera, Sight};
+pub use port_entry::{DomePortEntry, FlatPortEntry, PortEntry};
 
 use std::path::Path;
 
@@ -13,7 +17,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::config::{self, ConfigError};
-use crate::{Camera, CameraError, CameraFrame, Mat3, Pixel, Pose, RigFrame, Vec3};
+use crate::{Camera, CameraError, CameraFrame, Mat3, Pose, RigFrame, Vec3};
 
 /// Left or right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -43,31 +47,6 @@ impl Eye {
             Self::Left => "left",
             Self::Right => "right",
         }
-    }
-}
-
-/// A camera and where it sits on the rig.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MountedCamera {
-    /// The camera.
-    pub camera: Camera,
-    /// Its pose: `x_rig = R x_camera + t`.
-    pub rig_from_camera: Pose<RigFrame, CameraFrame>,
-}
-
-impl MountedCamera {
-    /// Origin (m) and unit direction, in the rig frame, of the ray seen at a pixel.
-    pub fn ray(&self, pixel: &Pixel) -> Option<(Vec3, Vec3)> {
-        Some((
-            self.rig_from_camera.origin_m(),
-            self.rig_from_camera.direction(&self.camera.ray(pixel)?),
-        ))
-    }
-
-    /// The pixel at which a point of the rig frame is seen.
-    pub fn project(&self, point_in_rig_m: &Vec3) -> Option<Pixel> {
-        self.camera
-            .project(&self.rig_from_camera.inverse().point(point_in_rig_m))
     }
 }
 
@@ -163,14 +142,8 @@ impl Rig {
         let axes = Mat3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
         let rig_from_left = Pose::<RigFrame, CameraFrame>::new(axes, Vec3::zeros());
         let rig = Self {
-            left: MountedCamera {
-                camera: left,
-                rig_from_camera: rig_from_left,
-            },
-            right: MountedCamera {
-                camera: right,
-                rig_from_camera: rig_from_left * right_from_left.inverse(),
-            },
+            left: MountedCamera::new(left, rig_from_left),
+            right: MountedCamera::new(right, rig_from_left * right_from_left.inverse()),
         };
         rig.validate(path, key)?;
         Ok(rig)

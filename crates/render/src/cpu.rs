@@ -18,7 +18,7 @@ pub(crate) mod world;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use rayon::prelude::*;
-use rodsight_geometry::{CameraFrame, Eye, MountedCamera, Pixel, Pose, RigFrame};
+use rodsight_geometry::{Band, CameraFrame, Eye, MountedCamera, Pixel, Pose, RigFrame};
 use rodsight_optics::{Bands, Halo, transmittance};
 use rodsight_scene::{Finish, Mode, Scene};
 
@@ -103,31 +103,27 @@ impl CpuRenderer {
         }
         RenderError::refuse_too_large(scene, eye)?;
         let world = World::new(scene);
-        let mounted = *scene.rig.eye(eye);
-        let other = *scene.rig.eye(eye.other());
-        let caster = Caster {
-            world: &world,
-            mounted,
-            camera_from_rig: mounted.rig_from_camera.inverse(),
-            other,
-            other_from_rig: other.rig_from_camera.inverse(),
-            eye,
-            airlight: AirlightGrid::new(&world, &mounted),
-            halo: (scene.mode == Mode::Full)
-                .then(|| Halo::new(&scene.medium, middle_px_per_rad(&mounted.camera))),
-            graze_rad: graze_rad(&mounted.camera),
+        let cast = |band, from, share| {
+            let part = move |done| progress(from + done * share);
+            Caster::new(&world, eye, band).render(&part)
         };
-        Ok(caster.render(progress))
+        if !scene.rig.eye(eye).disperses() {
+            return Ok(cast(Band::Green, 0.0, 1.0));
+        }
+        let third = 1.0 / 3.0;
+        let mut frame = cast(Band::Green, 0.0, third);
+        frame.take_light(&cast(Band::Red, third, third), Band::Red);
+        frame.take_light(&cast(Band::Blue, 2.0 * third, third), Band::Blue);
+        Ok(frame)
     }
 }
 
-/// Casts the rays of one eye.
+/// Casts the rays of one eye, as one band of light goes through its port.
 struct Caster<'a> {
     world: &'a World<'a>,
     mounted: MountedCamera,
     camera_from_rig: Pose<CameraFrame, RigFrame>,
     other: MountedCamera,
-    other_from_rig: Pose<CameraFrame, RigFrame>,
     eye: Eye,
     airlight: AirlightGrid,
     /// In mode `full`.
@@ -149,7 +145,24 @@ struct EdgeKey {
 /// Neighbouring pixels of one rod whose depths differ by more than this fraction are an edge of it against itself.
 const DEPTH_STEP: f64 = 0.02;
 
-impl Caster<'_> {
+impl<'a> Caster<'a> {
+    fn new(world: &'a World<'a>, eye: Eye, band: Band) -> Self {
+        let rig = &world.scene.rig;
+        let mounted = rig.eye(eye).in_band(band);
+        let other = *rig.eye(eye.other());
+        Self {
+            world,
+            mounted,
+            camera_from_rig: mounted.rig_from_camera.inverse(),
+            other,
+            eye,
+            airlight: AirlightGrid::new(world, &mounted),
+            halo: (world.scene.mode == Mode::Full)
+                .then(|| Halo::new(&world.scene.medium, middle_px_per_rad(&mounted))),
+            graze_rad: graze_rad(&mounted),
+        }
+    }
+
     fn render(&self, progress: &(dyn Fn(f64) + Sync)) -> EyeFrame {
         let i = *self.mounted.camera.intrinsics();
         let (width, height) = (i.width_px as usize, i.height_px as usize);
@@ -206,7 +219,7 @@ impl Caster<'_> {
                 pixels: &pixels,
                 mixed: &mixed,
                 beyond: |place: &Pixel| self.beyond(place),
-                overscan: overscan_px(&self.mounted.camera),
+                overscan: overscan_px(&self.mounted),
             }
             .spread(halo);
             let pairs = pixels.par_iter_mut().zip(spread.pixels());
@@ -223,23 +236,25 @@ impl Caster<'_> {
         }
     }
 
-    /// The ray through a pixel. Every pixel of the image has one: `Camera::new` refuses lenses for which that is not so.
-    fn ray(&self, pixel: &Pixel) -> Option<Ray> {
-        let (origin_m, direction) = self.mounted.ray(pixel)?;
-        Some(Ray {
-            origin_m,
-            direction,
-        })
+    /// The ray in the water through a pixel, and the share of its radiance that arrives at the lens. Every pixel of the image has
+    /// one: lenses and ports for which that is not so are refused.
+    fn ray(&self, pixel: &Pixel) -> Option<(Ray, f64)> {
+        let seen = self.mounted.water_ray(pixel)?;
+        let ray = Ray {
+            origin_m: seen.origin_m,
+            direction: seen.direction,
+        };
+        Some((ray, seen.gain))
     }
 
     /// Everything about the ray through a pixel's centre.
     fn centre(&self, pixel: &Pixel) -> (PixelTruth, EdgeKey) {
-        let Some(ray) = self.ray(pixel) else {
+        let Some((ray, gain)) = self.ray(pixel) else {
             return (PixelTruth::NOTHING, EdgeKey::default());
         };
         let hit = self.world.hit(&ray);
-        let surface = self.light_of(&ray, hit.as_ref());
-        let backscatter = self.backscatter(&ray, pixel, surface.range_m);
+        let surface = self.light_of(&ray, gain, hit.as_ref());
+        let backscatter = self.backscatter(&ray, gain, pixel, surface.range_m);
         let mut truth = PixelTruth::NOTHING;
         let mut key = EdgeKey {
             lit_by: surface.lit_by,
@@ -249,10 +264,7 @@ impl Caster<'_> {
         if let Some(hit) = hit {
             let point = ray.at(hit.t_m);
             let in_camera = self.camera_from_rig.point(&point);
-            let seen_by_other = self
-                .other
-                .camera
-                .project(&self.other_from_rig.point(&point));
+            let seen_by_other = self.other.sight(&point);
             truth.depth_m = in_camera.z as f32;
             truth.range_m = hit.t_m as f32;
             truth.normal = self
@@ -264,14 +276,14 @@ impl Caster<'_> {
             truth.material = hit.thing.material();
             if let Some(there) = seen_by_other {
                 truth.disparity_px = match self.eye {
-                    Eye::Left => pixel.x - there.x,
-                    Eye::Right => there.x - pixel.x,
+                    Eye::Left => pixel.x - there.pixel.x,
+                    Eye::Right => there.pixel.x - pixel.x,
                 } as f32;
             }
-            truth.occluded = !seen_by_other.is_some_and(|there| self.other.camera.contains(&there))
-                || self
-                    .world
-                    .is_hidden(&point, &self.other.rig_from_camera.origin_m());
+            truth.occluded = !seen_by_other.is_some_and(|there| {
+                self.other.camera.contains(&there.pixel)
+                    && !self.world.is_hidden(&point, &there.from_m)
+            });
             key.instance = hit.thing.instance();
             key.cap = hit.face == Face::Cap;
         }
@@ -281,17 +293,22 @@ impl Caster<'_> {
         (truth, key)
     }
 
-    /// The light that the water scatters into a ray.
-    fn backscatter(&self, ray: &Ray, pixel: &Pixel, distance_m: f64) -> Bands {
+    /// The light that the water scatters into a ray, at the lens.
+    fn backscatter(&self, ray: &Ray, gain: f64, pixel: &Pixel, distance_m: f64) -> Bands {
         let unshadowed = self.airlight.at(self.world, ray, pixel, distance_m);
-        self.world.backscatter(ray, distance_m, &unshadowed)
+        self.world
+            .backscatter(ray, distance_m, &unshadowed)
+            .map(|light| gain * light)
     }
 
-    /// The light that leaves what a ray hits, after its way to the camera.
-    fn light_of(&self, ray: &Ray, hit: Option<&Hit>) -> Sample {
+    /// The light that leaves what a ray hits, after its way to the lens.
+    fn light_of(&self, ray: &Ray, gain: f64, hit: Option<&Hit>) -> Sample {
         let Some(hit) = hit else {
             let background = if self.world.scene.mode == Mode::Air {
-                self.world.scene.background_radiance
+                self.world
+                    .scene
+                    .background_radiance
+                    .map(|light| gain * light)
             } else {
                 [0.0; 3]
             };
@@ -308,9 +325,9 @@ impl Caster<'_> {
         let surface = self.world.surface(ray, hit);
         let transmission = transmittance(&self.world.attenuation_per_m, hit.t_m);
         Sample {
-            direct: core::array::from_fn(|k| surface.wet[k] * transmission[k]),
-            wet: surface.wet,
-            clean: surface.dry,
+            direct: core::array::from_fn(|k| gain * (surface.wet[k] * transmission[k])),
+            wet: surface.wet.map(|light| gain * light),
+            clean: surface.dry.map(|light| gain * light),
             transmission,
             range_m: hit.t_m,
             lit_by: surface.lit_by,
@@ -333,10 +350,10 @@ impl Caster<'_> {
         let wrapped = |offset: f64| if offset < 1.0 { offset } else { offset - 1.0 };
         for &[du, dv] in offsets {
             let inside = Pixel::new(wrapped(du + shift[0]), wrapped(dv + shift[1]));
-            let Some(ray) = self.ray(&(corner + inside)) else {
+            let Some((ray, gain)) = self.ray(&(corner + inside)) else {
                 continue;
             };
-            let sample = self.light_of(&ray, self.world.hit(&ray).as_ref());
+            let sample = self.light_of(&ray, gain, self.world.hit(&ray).as_ref());
             for k in 0..3 {
                 mean.direct[k] += sample.direct[k];
                 mean.clean[k] += sample.clean[k];
@@ -363,9 +380,9 @@ impl Caster<'_> {
         }
         let mut backscatter = [0.0; 3];
         let centre = Pixel::new(corner.x + 0.5, corner.y + 0.5);
-        if let Some(ray) = self.ray(&centre) {
+        if let Some((ray, gain)) = self.ray(&centre) {
             for seen in &things {
-                let scattered = self.backscatter(&ray, &centre, seen.range_m());
+                let scattered = self.backscatter(&ray, gain, &centre, seen.range_m());
                 for k in 0..3 {
                     backscatter[k] += scattered[k] * seen.count * share;
                 }

@@ -1,6 +1,6 @@
 //! What a renderer returns.
 
-use rodsight_geometry::Eye;
+use rodsight_geometry::{Band, Eye};
 
 /// Both eyes of one scene, before the sensor.
 #[derive(Clone, Debug)]
@@ -41,9 +41,24 @@ impl EyeFrame {
     pub fn at(&self, column: u32, row: u32) -> &PixelTruth {
         &self.pixels[row as usize * self.width_px as usize + column as usize]
     }
+
+    /// Takes the light of one band from a frame of the same size.
+    pub(crate) fn take_light(&mut self, other: &Self, band: Band) {
+        let band = band.index();
+        for (mine, theirs) in self.pixels.iter_mut().zip(&other.pixels) {
+            mine.radiance[band] = theirs.radiance[band];
+            mine.direct[band] = theirs.direct[band];
+            mine.forward[band] = theirs.forward[band];
+            mine.backscatter[band] = theirs.backscatter[band];
+            mine.clean[band] = theirs.clean[band];
+            mine.transmission[band] = theirs.transmission[band];
+        }
+    }
 }
 
-/// Light and truth of one pixel. Light is the mean over the pixel; geometry is that of the ray through its centre.
+/// Light and truth of one pixel. Light is the mean over the pixel; geometry is that of the ray through its centre, in the green band
+/// where a port parts the bands. Behind a port all radiance is that at the lens, in air: Fresnel's losses at both faces and the
+/// widening of the pencil by n² are in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelTruth {
     /// Radiance that reaches the lens, W m⁻² sr⁻¹ per band: `direct + forward + backscatter`.
@@ -62,7 +77,7 @@ pub struct PixelTruth {
     pub normal: [f32; 3],
     /// z in the camera frame, m; +∞ where there is no surface.
     pub depth_m: f32,
-    /// Distance along the ray, m; +∞ where there is no surface.
+    /// Distance along the ray in the water, from the camera's centre or the port's outer face, m; +∞ where there is no surface.
     pub range_m: f32,
     /// `u_left − u_right` of this surface point, px; +∞ where there is no surface or the other eye looks away from it.
     pub disparity_px: f32,

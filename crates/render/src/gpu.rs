@@ -178,6 +178,12 @@ fn missing(scene: &Scene) -> Option<(&'static str, &'static str)> {
     let seabed = scene.seabed.as_ref();
     let features = [
         ("mode \"full\"", scene.mode == Mode::Full),
+        (
+            "port",
+            Eye::BOTH
+                .iter()
+                .any(|&eye| scene.rig.eye(eye).port.is_some()),
+        ),
         ("[[occluder]]", !scene.occluders.is_empty()),
         ("[[prop]]", !scene.props.is_empty()),
         (

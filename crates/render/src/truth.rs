@@ -102,10 +102,11 @@ pub struct RodTruth {
 pub struct EyeTruth {
     /// The axis in the camera's frame.
     pub axis_in_camera: LineTruth,
-    /// The two limbs and the axis as straight lines; null for a bent rod or a lens with distortion.
+    /// The two limbs and the axis as straight lines; null for a bent rod, a lens with distortion or a port.
     pub lines: Option<ConeTruth<ImageLine>>,
-    /// The same as points along the rod, px, end to end, without what is behind the camera; null where `lines` is exact, where the
-    /// rod is wholly behind, and where the camera looks along it from within its radius.
+    /// The same as points along the rod, px, end to end, without what is behind the camera, so close that straight pieces between
+    /// them are right to 1e-3 px in the image; in the green band behind a port. Null where `lines` is exact, where the rod is wholly
+    /// behind, and where the camera looks along it from within its radius.
     pub curves: Option<ConeTruth<Vec<[f64; 2]>>>,
     /// Stretches of the axis, m from its middle, that are in the image with nothing before the surface over them.
     pub visible_m: Vec<[f64; 2]>,

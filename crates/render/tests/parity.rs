@@ -12,7 +12,7 @@
 mod common;
 
 use rodsight_geometry::Eye;
-use rodsight_render::{CpuRenderer, EyeFrame, Frame, PixelTruth, Renderer};
+use rodsight_render::{CpuRenderer, EyeFrame, Frame, PixelTruth, RenderError, Renderer};
 use rodsight_scene::{EdgeSampling, Mode, Scene};
 use rodsight_testkit::{Tolerance, compare_images};
 
@@ -183,8 +183,19 @@ fn compare(actual: &Frame, reference: &Frame, samples: f32) -> Result<String, St
 /// Samples of a pixel at an edge: enough to compare, few enough for the reference in a test.
 const SAMPLES: u32 = 55;
 
+/// Shipped scenes that the graphics backend refuses so far, each with a clear message: one that it draws after all must leave the list.
+const NOT_YET: [&str; 1] = ["flat_port.toml"];
+
 fn check(name: &str, scene: &mut Scene) {
     let Some(gpu) = common::gpu() else { return };
+    if NOT_YET.contains(&name) {
+        let refused = gpu.render(scene, &|_| ());
+        assert!(
+            matches!(refused, Err(RenderError::Unsupported { .. })),
+            "{name}: {refused:?}"
+        );
+        return;
+    }
     scene.sampling.edge = EdgeSampling::Fibonacci { points: SAMPLES };
     let reference = CpuRenderer.render(scene, &|_| ()).unwrap();
     let actual = gpu.render(scene, &|_| ()).unwrap();

@@ -125,9 +125,12 @@ impl<'a> Request<'a> {
     /// Checks the request against its own images.
     ///
     /// # Errors
-    /// A region or a pick outside its image, or a radius that is no length.
+    /// A region or a pick outside its image, a radius that is no length, or a rig with ports.
     pub fn validate(&self) -> Result<(), SolveError> {
         for eye in Eye::BOTH {
+            if self.pair.rig.eye(eye).port.is_some() {
+                return Err(SolveError::Port { eye: eye.name() });
+            }
             let (image, roi) = (self.image(eye), self.roi(eye));
             let end = |start: u32, length: u32| u64::from(start) + u64::from(length);
             let fits = roi.width_px > 0
@@ -196,6 +199,11 @@ pub enum SolveError {
         u_px: f64,
         v_px: f64,
     },
+    /// Every method of this version takes limbs for straight lines once the lens is undone.
+    #[error(
+        "rig: expected cameras with one centre of projection, found {eye}.port: behind glass straight rods are seen bent; leave the port out and calibrate focal length and distortion in water (exact at one distance only)"
+    )]
+    Port { eye: &'static str },
     #[error("{name}: expected a positive number of metres, found {found}")]
     Radius { name: &'static str, found: f64 },
     #[error("parameter {name}: expected {expected}, found {found}")]

@@ -5,7 +5,8 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{MountedCamera, Rig, RigError, checked_rotation};
+use super::port_entry::PortComplaint;
+use super::{MountedCamera, PortEntry, Rig, RigError, checked_rotation};
 use crate::{
     Camera, Distortion, Intrinsics, Mat3, Pose, RigFrame, config, radians, rotation_from_rpy,
 };
@@ -55,6 +56,9 @@ pub struct CameraEntry {
     /// Lens distortion; none if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distortion: Option<DistortionEntry>,
+    /// The glass between the camera in its housing and the water; without it the camera is an ideal one in the water.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub port: Option<PortEntry>,
     /// Pose of the camera on the rig.
     pub rig_from_camera: MountEntry,
 }
@@ -143,6 +147,7 @@ impl RigFile {
                         Some(DistortionEntry::KannalaBrandt { coefficients })
                     }
                 },
+                port: mounted.port.as_ref().map(PortEntry::from_port),
                 rig_from_camera: MountEntry {
                     rotation: Some([row(0), row(1), row(2)]),
                     rpy_deg: None,
@@ -177,44 +182,58 @@ impl RigFile {
             PixelOrigin::Corner => 0.0,
             PixelOrigin::Center => 0.5,
         };
-        let mounted =
-            |name: &'static str, entry: &CameraEntry| -> Result<MountedCamera, RigError> {
-                let intrinsics = Intrinsics {
-                    width_px: entry.width_px,
-                    height_px: entry.height_px,
-                    fx_px: entry.fx_px,
-                    fy_px: entry.fy_px,
-                    cx_px: entry.cx_px + shift,
-                    cy_px: entry.cy_px + shift,
-                };
-                let distortion = match entry.distortion {
-                    None => Distortion::None,
-                    Some(DistortionEntry::BrownConrady { coefficients }) => {
-                        Distortion::BrownConrady(coefficients)
-                    }
-                    Some(DistortionEntry::KannalaBrandt { coefficients }) => {
-                        Distortion::KannalaBrandt(coefficients)
-                    }
-                };
-                let camera =
-                    Camera::new(intrinsics, distortion).map_err(|source| RigError::Camera {
-                        path: path.display().to_string(),
-                        camera: name.to_owned(),
-                        source,
-                    })?;
-                let mount_key = format!("{name}.rig_from_camera");
-                let rig_from_camera =
-                    entry
-                        .rig_from_camera
-                        .to_pose()
-                        .map_err(|(key, expected, found)| {
-                            value(&format!("{mount_key}.{key}"), expected, found)
-                        })?;
-                Ok(MountedCamera {
-                    camera,
-                    rig_from_camera,
-                })
+        let mounted = |name: &'static str,
+                       entry: &CameraEntry|
+         -> Result<MountedCamera, RigError> {
+            let intrinsics = Intrinsics {
+                width_px: entry.width_px,
+                height_px: entry.height_px,
+                fx_px: entry.fx_px,
+                fy_px: entry.fy_px,
+                cx_px: entry.cx_px + shift,
+                cy_px: entry.cy_px + shift,
             };
+            let distortion = match entry.distortion {
+                None => Distortion::None,
+                Some(DistortionEntry::BrownConrady { coefficients }) => {
+                    Distortion::BrownConrady(coefficients)
+                }
+                Some(DistortionEntry::KannalaBrandt { coefficients }) => {
+                    Distortion::KannalaBrandt(coefficients)
+                }
+            };
+            let bad_camera = |source| RigError::Camera {
+                path: path.display().to_string(),
+                camera: name.to_owned(),
+                source,
+            };
+            let camera = Camera::new(intrinsics, distortion).map_err(bad_camera)?;
+            let port =
+                entry.port.map(PortEntry::to_port).transpose().map_err(
+                    |complaint| match complaint {
+                        PortComplaint::Text(key, expected, found) => {
+                            value(&format!("{name}.{key}"), &expected, found)
+                        }
+                        PortComplaint::Number(source) => bad_camera(source),
+                    },
+                )?;
+            if let Some(port) = &port {
+                port.refuse_blind(&camera).map_err(bad_camera)?;
+            }
+            let mount_key = format!("{name}.rig_from_camera");
+            let rig_from_camera =
+                entry
+                    .rig_from_camera
+                    .to_pose()
+                    .map_err(|(key, expected, found)| {
+                        value(&format!("{mount_key}.{key}"), expected, found)
+                    })?;
+            Ok(MountedCamera {
+                camera,
+                rig_from_camera,
+                port,
+            })
+        };
         let rig = Rig {
             left: mounted("left", &self.left)?,
             right: mounted("right", &self.right)?,

@@ -67,10 +67,10 @@ pub(crate) fn paper_rig(golden: &Golden) -> Rig {
     let mounted = |eye: &str| {
         let [roll, pitch, yaw] = golden.array(&format!("mount.{eye}_rpy_deg")).map(radians);
         let centre_m: [f64; 3] = golden.array(&format!("mount.{eye}_t_m"));
-        MountedCamera {
-            camera: Camera::new(intrinsics, Distortion::None).unwrap(),
-            rig_from_camera: Pose::new(rotation_from_rpy(roll, pitch, yaw), centre_m.into()),
-        }
+        MountedCamera::new(
+            Camera::new(intrinsics, Distortion::None).unwrap(),
+            Pose::new(rotation_from_rpy(roll, pitch, yaw), centre_m.into()),
+        )
     };
     Rig {
         left: mounted("left"),

@@ -1,6 +1,6 @@
 //! A scene prepared for ray-casting.
 
-use rodsight_geometry::{Camera, Eye, Pixel, Vec3};
+use rodsight_geometry::{Eye, MountedCamera, Pixel, Vec3};
 use rodsight_optics::Bands;
 use rodsight_scene::{Material, Mode, Scene};
 
@@ -99,7 +99,7 @@ impl<'a> World<'a> {
             scattering_per_m,
             horizon_m: (12.0 / clearest).min(1e4),
             footprint_rad: Eye::BOTH
-                .map(|eye| pixel_angle_rad(&scene.rig.eye(eye).camera))
+                .map(|eye| pixel_angle_rad(scene.rig.eye(eye)))
                 .into_iter()
                 .fold(0.0, f64::max),
         }
@@ -165,26 +165,38 @@ impl<'a> World<'a> {
 }
 
 /// Rays nearer than this to a limb take all samples: half a diagonal of the pixel, and as much again, as shading is steepest beside
-/// a limb.
-pub(crate) fn graze_rad(camera: &Camera) -> f64 {
-    1.5 * pixel_angle_rad(camera)
+/// a limb. Of the lens in air: behind a port rays part more slowly, but not from one point.
+pub(crate) fn graze_rad(mounted: &MountedCamera) -> f64 {
+    1.5 * pixel_angle_rad(&MountedCamera {
+        port: None,
+        ..*mounted
+    })
 }
 
-/// The largest angle between the rays of neighbouring pixels, rad. A pinhole has it at its principal point, 1/f; a distorted lens is
-/// asked on a grid, as nothing changes fast in a lens.
-pub(super) fn pixel_angle_rad(camera: &Camera) -> f64 {
+/// The largest angle between the rays of neighbouring pixels, rad. A pinhole has it at its principal point, 1/f; a distorted lens or
+/// one behind a port is asked on a grid, as nothing changes fast in a lens.
+pub(super) fn pixel_angle_rad(mounted: &MountedCamera) -> f64 {
     const STEPS: u32 = 16;
+    let (camera, port) = (&mounted.camera, &mounted.port);
     let i = camera.intrinsics();
-    let mut largest = 1.0 / i.fx_px.min(i.fy_px);
-    if camera.is_pinhole() {
-        return largest;
+    let on_axis = 1.0 / i.fx_px.min(i.fy_px);
+    if mounted.is_pinhole() {
+        return on_axis;
     }
+    let mut largest = if port.is_none() { on_axis } else { 0.0 };
+    let ray = |pixel: &Pixel| {
+        let in_air = camera.ray(pixel)?;
+        match port {
+            None => Some(in_air),
+            Some(port) => Some(port.water_ray(&in_air)?.direction),
+        }
+    };
     let step =
         |cells: u32, size_px: u32| (f64::from(size_px) - 1.0) * f64::from(cells) / f64::from(STEPS);
     for (column, row) in (0..=STEPS).flat_map(|c| (0..=STEPS).map(move |r| (c, r))) {
         let corner = Pixel::new(step(column, i.width_px), step(row, i.height_px));
-        let across = [Pixel::x(), Pixel::y()].map(|one| camera.ray(&(corner + one)));
-        if let (Some(here), [Some(right), Some(below)]) = (camera.ray(&corner), across) {
+        let across = [Pixel::x(), Pixel::y()].map(|one| ray(&(corner + one)));
+        if let (Some(here), [Some(right), Some(below)]) = (ray(&corner), across) {
             largest = largest
                 .max((right - here).norm())
                 .max((below - here).norm());

@@ -138,7 +138,7 @@ fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
         attenuation_per_m: world.attenuation_per_m.into(),
         horizon_m: world.horizon_m as f32,
         scattering_per_m: scene.medium.scattering_per_m().into(),
-        graze_rad: graze_rad(&mounted.camera) as f32,
+        graze_rad: graze_rad(mounted) as f32,
         ambient_radiance: scene.ambient_radiance.into(),
         footprint_rad: world.footprint_rad as f32,
         background_radiance: scene.background_radiance.into(),

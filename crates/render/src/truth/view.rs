@@ -1,6 +1,6 @@
 //! What one eye sees of one rod.
 
-use rodsight_geometry::{Cylinder, Line3, MountedCamera, Pixel, Vec3};
+use rodsight_geometry::{Cylinder, Line3, MountedCamera, Pixel, Side, Vec3};
 use rodsight_scene::Rod;
 
 use super::{ConeTruth, EyeTruth};
@@ -22,8 +22,12 @@ pub(super) struct EyeView<'a> {
     pub(super) light: &'a [[f32; 3]],
 }
 
-/// Points along a curve of the truth.
+/// Points along a curve of the truth, before those that its bend asks for.
 const CURVE_POINTS: usize = 257;
+/// Half of what a reader who joins the points by straight lines may be off, px.
+const CURVE_ERROR_PX: f64 = 5e-4;
+/// A piece of a curve becomes at most 2¹² pieces.
+const MAX_HALVINGS: u32 = 12;
 /// Pixels from the limb at which contrast is measured, on either side: outside any blur. Within a thin rod, no farther than its axis.
 const CONTRAST_REACH_PX: f64 = 2.5;
 
@@ -31,7 +35,7 @@ impl EyeView<'_> {
     pub(super) fn truth(&self, index: usize, gain: f64) -> EyeTruth {
         let camera_from_rig = self.mounted.rig_from_camera.inverse();
         let axis = self.arc.at(0.0);
-        let straight = self.rod.bend.is_none() && self.mounted.camera.is_pinhole();
+        let straight = self.rod.bend.is_none() && self.mounted.is_pinhole();
         let lines = straight
             .then(|| {
                 let cylinder = Cylinder {
@@ -68,7 +72,7 @@ impl EyeView<'_> {
         }
     }
 
-    /// Point of a limb (side ±1) or of the axis (0) at arc length s: the surface point whose tangent plane holds the camera.
+    /// Point of a limb (side ±1) or of the axis (0) at arc length s: the surface point at which the ray touches.
     fn contour_point(&self, s_m: f64, side: f64) -> Option<Vec3> {
         let axis = self.arc.at(s_m);
         if side == 0.0 {
@@ -78,23 +82,25 @@ impl EyeView<'_> {
             axis,
             radius_m: self.rod.radius_m,
         };
-        let planes = cylinder.tangent_planes(&self.mounted.rig_from_camera.origin_m())?;
-        let normal = if side > 0.0 {
-            planes.plus
-        } else {
-            planes.minus
-        };
-        Some(axis.point_m - normal * (side * self.rod.radius_m))
+        let side = if side > 0.0 { Side::Plus } else { Side::Minus };
+        self.mounted.limb_point_m(&cylinder, side)
     }
 
     fn curves(&self) -> Option<ConeTruth<Vec<[f64; 2]>>> {
         let curve = |side: f64| -> Option<Vec<[f64; 2]>> {
-            let points: Vec<[f64; 2]> = (0..CURVE_POINTS)
-                .map(|i| self.rod.length_m * (i as f64 / (CURVE_POINTS - 1) as f64 - 0.5))
-                .filter_map(|s_m| self.mounted.project(&self.contour_point(s_m, side)?))
-                .map(Into::into)
-                .collect();
-            (points.len() > 1).then_some(points)
+            let at = |s_m: f64| self.mounted.project(&self.contour_point(s_m, side)?);
+            let place = |i: usize| self.rod.length_m * (i as f64 / (CURVE_POINTS - 1) as f64 - 0.5);
+            let mut points: Vec<Pixel> = Vec::new();
+            let mut last: Option<(f64, Pixel)> = None;
+            for s_m in (0..CURVE_POINTS).map(place) {
+                let here = at(s_m).map(|pixel| (s_m, pixel));
+                if let (Some(from), Some(to)) = (last, here) {
+                    self.between(&at, from, to, MAX_HALVINGS, &mut points);
+                }
+                points.extend(here.map(|(_, pixel)| pixel));
+                last = here;
+            }
+            (points.len() > 1).then(|| points.into_iter().map(Into::into).collect())
         };
         Some(ConeTruth {
             plus_limb: curve(1.0)?,
@@ -103,14 +109,42 @@ impl EyeView<'_> {
         })
     }
 
+    /// Points between two of a curve, so that in the image the curve is within `CURVE_ERROR_PX` of the straight pieces.
+    fn between(
+        &self,
+        at: &dyn Fn(f64) -> Option<Pixel>,
+        from: (f64, Pixel),
+        to: (f64, Pixel),
+        halvings: u32,
+        points: &mut Vec<Pixel>,
+    ) {
+        let size = self.mounted.camera.intrinsics();
+        let outside =
+            |a: f64, b: f64, size_px: u32| a.max(b) < 0.0 || a.min(b) > f64::from(size_px);
+        if halvings == 0
+            || outside(from.1.x, to.1.x, size.width_px)
+            || outside(from.1.y, to.1.y, size.height_px)
+        {
+            return;
+        }
+        let s_m = 0.5 * (from.0 + to.0);
+        let Some(middle) = at(s_m) else { return };
+        let chord = to.1 - from.1;
+        let sag_px = chord.perp(&(middle - from.1)).abs() / chord.norm().max(1e-9);
+        if sag_px > CURVE_ERROR_PX {
+            self.between(at, from, (s_m, middle), halvings - 1, points);
+            points.push(middle);
+            self.between(at, (s_m, middle), to, halvings - 1, points);
+        }
+    }
+
     /// Whether the surface over the axis point at s is in the image and nothing hides it.
     fn is_visible(&self, s_m: f64, index: usize) -> bool {
-        let origin_m = self.mounted.rig_from_camera.origin_m();
         let axis = self.arc.at(s_m);
-        let inside = self
-            .mounted
-            .project(&axis.point_m)
-            .is_some_and(|pixel| self.mounted.camera.contains(&pixel));
+        let Some(sight) = self.mounted.sight(&axis.point_m) else {
+            return false;
+        };
+        let (origin_m, inside) = (sight.from_m, self.mounted.camera.contains(&sight.pixel));
         let to_axis = axis.point_m - origin_m;
         let distance_m = to_axis.norm();
         let ray = Ray {

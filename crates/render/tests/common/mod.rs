@@ -31,12 +31,9 @@ pub fn rig(shrink: u32) -> Rig {
         cy_px: 540.0 / scale,
     };
     let camera = Camera::new(intrinsics, Distortion::None).unwrap();
-    let mounted = |y_m: f64| MountedCamera {
-        camera,
-        rig_from_camera: Pose::new(
-            rotation_from_rpy(radians(90.0), 0.0, radians(90.0)),
-            Vec3::new(0.0, y_m, -1.0),
-        ),
+    let mounted = |y_m: f64| {
+        let axes = rotation_from_rpy(radians(90.0), 0.0, radians(90.0));
+        MountedCamera::new(camera, Pose::new(axes, Vec3::new(0.0, y_m, -1.0)))
     };
     Rig {
         left: mounted(-0.5),

@@ -42,12 +42,10 @@ pub fn rig_of(width_px: u32, height_px: u32, focal_px: f64, distortion: Distorti
         cy_px: 0.5 * f64::from(height_px),
     };
     let camera = Camera::new(intrinsics, distortion).expect("a camera");
-    let mounted = |y_m: f64| MountedCamera {
-        camera,
-        rig_from_camera: Pose::<RigFrame, CameraFrame>::new(
-            Mat3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0),
-            Vec3::new(0.0, y_m, -1.0),
-        ),
+    let mounted = |y_m: f64| {
+        let axes = Mat3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+        let pose = Pose::<RigFrame, CameraFrame>::new(axes, Vec3::new(0.0, y_m, -1.0));
+        MountedCamera::new(camera, pose)
     };
     Rig {
         left: mounted(-0.5),
