@@ -1,57 +1,181 @@
-//! Speed of the renderer on the founding scene, one 1080p eye, all threads; "develop" is the pair.
+//! Speed of the renderer: pairs a second by mode, backend and size, and the cost of what a scene holds.
+//!
+//! "cpu" is the `f64` reference on all threads; "gpu" runs on the best adapter there is, whose name is printed: without a graphics card
+//! that is a software driver on the same processor.
+
+#![expect(
+    clippy::print_stdout,
+    reason = "says which adapter it measures, and what it leaves out"
+)]
 
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Duration;
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use rodsight_geometry::Eye;
-use rodsight_render::{CpuRenderer, Frame, Renderer, develop};
+use criterion::measurement::WallTime;
+use criterion::{
+    BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
+};
+use rodsight_geometry::{Camera, Eye, Intrinsics, Vec3};
+use rodsight_render::{AdapterChoice, CpuRenderer, GpuRenderer, RenderError, Renderer, develop};
 use rodsight_scene::{Mode, Scene, Sensor};
+
+const MODES: [(&str, Mode); 4] = [
+    ("air", Mode::Air),
+    ("koschmieder", Mode::Koschmieder),
+    ("single", Mode::Single),
+    ("full", Mode::Full),
+];
 
 fn founding_scene() -> Scene {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
     Scene::load(&scenes.join("paper.toml")).expect("a shipped scene loads")
 }
 
-fn render(criterion: &mut Criterion) {
-    let mut scene = founding_scene();
-    let i = *scene.rig.left.camera.intrinsics();
-    let pixels = u64::from(i.width_px) * u64::from(i.height_px);
-    let mut group = criterion.benchmark_group("render eye 1080p");
+/// The same view on fewer pixels.
+fn resize(scene: &mut Scene, width_px: u32, height_px: u32) {
+    for mounted in [&mut scene.rig.left, &mut scene.rig.right] {
+        let i = *mounted.camera.intrinsics();
+        let (x, y) = (
+            f64::from(width_px) / f64::from(i.width_px),
+            f64::from(height_px) / f64::from(i.height_px),
+        );
+        let intrinsics = Intrinsics {
+            width_px,
+            height_px,
+            fx_px: i.fx_px * x,
+            fy_px: i.fy_px * x,
+            cx_px: i.cx_px * x,
+            cy_px: i.cy_px * y,
+        };
+        mounted.camera = Camera::new(intrinsics, *mounted.camera.distortion())
+            .expect("a camera with fewer pixels is one");
+    }
+}
+
+fn pixels(scene: &Scene) -> u64 {
+    Eye::BOTH
+        .map(|eye| scene.rig.eye(eye).camera.intrinsics())
+        .iter()
+        .map(|i| u64::from(i.width_px) * u64::from(i.height_px))
+        .sum()
+}
+
+fn backends() -> Vec<Box<dyn Renderer>> {
+    let mut all: Vec<Box<dyn Renderer>> = vec![Box::new(CpuRenderer)];
+    match GpuRenderer::new(AdapterChoice::HardwareOrSoftware) {
+        Ok(gpu) => all.push(Box::new(gpu)),
+        Err(error) => println!("gpu left out: {error}"),
+    }
+    for backend in &all {
+        println!("{}: {}", backend.backend(), backend.adapter());
+    }
+    all
+}
+
+fn slow<'a>(criterion: &'a mut Criterion, name: &str) -> BenchmarkGroup<'a, WallTime> {
+    let mut group = criterion.benchmark_group(name);
     group
         .sample_size(10)
         .warm_up_time(Duration::from_millis(500))
-        .measurement_time(Duration::from_secs(10))
-        .throughput(Throughput::Elements(pixels));
-    for (name, mode) in [("air", Mode::Air), ("single", Mode::Single)] {
-        scene.mode = mode;
-        group.bench_function(BenchmarkId::from_parameter(name), |b| {
-            b.iter(|| CpuRenderer.render_eye(black_box(&scene), Eye::Left, &|_| ()));
-        });
+        .measurement_time(Duration::from_secs(5));
+    group
+}
+
+/// One line of a group: a renderer on a scene; what it cannot draw is said.
+fn line(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    id: BenchmarkId,
+    backend: &dyn Renderer,
+    scene: &Scene,
+) {
+    match backend.render(scene, &|_| ()) {
+        Err(error @ RenderError::Unsupported { .. }) => println!("left out: {error}"),
+        other => {
+            other.expect("the scene renders");
+            group.bench_function(id, |b| b.iter(|| backend.render(black_box(scene), &|_| ())));
+        }
     }
-    group.finish();
+}
+
+fn modes(criterion: &mut Criterion) {
+    let backends = backends();
+    for (size, width_px, height_px) in [("1080p", 1920, 1080), ("640x512", 640, 512)] {
+        let mut scene = founding_scene();
+        resize(&mut scene, width_px, height_px);
+        let mut group = slow(criterion, &format!("render pair {size}"));
+        group.throughput(Throughput::Elements(pixels(&scene)));
+        for (name, mode) in MODES {
+            scene.mode = mode;
+            for backend in &backends {
+                let id = BenchmarkId::new(name, backend.backend());
+                line(&mut group, id, backend.as_ref(), &scene);
+            }
+        }
+        group.finish();
+    }
+}
+
+/// Rods as a palisade behind the cable, the same area of it whatever their number.
+fn with_rods(mut scene: Scene, count: usize) -> Scene {
+    let like = scene.rods[0].clone();
+    for i in 1..count {
+        let place = i as f64 / count as f64 - 0.5;
+        let mut rod = like.clone();
+        rod.id = format!("rod_{i}");
+        rod.centre_m = Vec3::new(3.5, 3.0 * place, -1.0);
+        rod.direction = Vec3::z();
+        rod.radius_m = 0.5 / count as f64;
+        scene.rods.push(rod);
+    }
+    scene
+}
+
+fn with_lamps(mut scene: Scene, count: usize) -> Scene {
+    let like = scene.lamps[0];
+    scene.lamps = (0..count)
+        .map(|i| {
+            let mut lamp = like;
+            lamp.position_m.y = 1.8 * (i as f64 + 0.5) / count as f64 - 0.9;
+            lamp
+        })
+        .collect();
+    scene
+}
+
+fn contents(criterion: &mut Criterion) {
+    let backends = backends();
+    let mut scene = founding_scene();
+    scene.mode = Mode::Single;
+    resize(&mut scene, 640, 512);
+    for (name, counts, with) in [
+        (
+            "rods",
+            [1, 10, 50, 200],
+            with_rods as fn(Scene, usize) -> Scene,
+        ),
+        ("lamps", [1, 2, 4, 8], with_lamps),
+    ] {
+        let mut group = slow(criterion, &format!("render pair 640x512 by {name}"));
+        for count in counts {
+            let scene = with(scene.clone(), count);
+            for backend in &backends {
+                let id = BenchmarkId::new(backend.backend(), count);
+                line(&mut group, id, backend.as_ref(), &scene);
+            }
+        }
+        group.finish();
+    }
 }
 
 fn sensor(criterion: &mut Criterion) {
     let mut scene = founding_scene();
     scene.mode = Mode::Air;
-    let left = CpuRenderer
-        .render_eye(&scene, Eye::Left, &|_| ())
+    let frame = CpuRenderer
+        .render(&scene, &|_| ())
         .expect("air is implemented");
-    let frame = Frame {
-        right: left.clone(),
-        left,
-        backend: CpuRenderer.backend(),
-        adapter: CpuRenderer.adapter(),
-    };
-    let samples = 2 * 3 * frame.left.pixels.len() as u64;
-    let mut group = criterion.benchmark_group("develop pair 1080p");
-    group
-        .sample_size(10)
-        .warm_up_time(Duration::from_millis(500))
-        .measurement_time(Duration::from_secs(10))
-        .throughput(Throughput::Elements(samples));
+    let mut group = slow(criterion, "develop pair 1080p");
+    group.throughput(Throughput::Elements(3 * pixels(&scene)));
     let plain = Sensor::Plain {
         noise_sigma_dn: 2.0,
     };
@@ -64,5 +188,5 @@ fn sensor(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, render, sensor);
+criterion_group!(benches, modes, contents, sensor);
 criterion_main!(benches);

@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 
 use rodsight_geometry::{Camera, Intrinsics, MountedCamera, Rig};
 use rodsight_optics::water;
-use rodsight_render::{CpuRenderer, Renderer, develop, write_image};
+use rodsight_render::{
+    AdapterChoice, CpuRenderer, GpuRenderer, RenderError, Renderer, develop, write_image,
+};
 use rodsight_scene::{Mode, Scene};
 
 const WATERS: [&str; 6] = ["IB", "II", "III", "1C", "3C", "5C"];
@@ -22,6 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(arguments.next().ok_or("expected a folder to write to")?);
     let wanted: Vec<String> = arguments.collect();
     std::fs::create_dir_all(&folder)?;
+    let gpu = GpuRenderer::new(AdapterChoice::HardwareOrSoftware)?;
     let mut page = String::from(
         "<!doctype html><meta charset=\"utf-8\"><title>rodsight: scenes × waters × modes</title>\
          <style>body{font:14px sans-serif}td,th{padding:2px}img{width:240px;display:block}</style>",
@@ -29,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for path in scenes()? {
         let scene = Scene::load(&path)?;
         if wanted.is_empty() || wanted.contains(&scene.id) {
-            table(&folder, &scene, &mut page)?;
+            table(&folder, &scene, &[&CpuRenderer, &gpu], &mut page)?;
         }
     }
     std::fs::write(folder.join("index.html"), page)?;
@@ -41,14 +44,21 @@ fn scenes() -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let mut paths: Vec<PathBuf> = std::fs::read_dir(folder)?
         .map(|entry| entry.map(|entry| entry.path()))
         .collect::<Result<_, _>>()?;
-    paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    paths.retain(|path| {
+        path.extension()
+            .is_some_and(|extension| extension == "toml")
+    });
     paths.sort();
     Ok(paths)
 }
 
 /// One scene: a row a water, a column a mode and backend.
-fn table(folder: &Path, scene: &Scene, page: &mut String) -> Result<(), Box<dyn Error>> {
-    let backends: [&dyn Renderer; 1] = [&CpuRenderer];
+fn table(
+    folder: &Path,
+    scene: &Scene,
+    backends: &[&dyn Renderer],
+    page: &mut String,
+) -> Result<(), Box<dyn Error>> {
     write!(page, "<h2>{}</h2><table><tr><th>", scene.id)?;
     for mode in MODES {
         for backend in backends {
@@ -67,7 +77,13 @@ fn table(folder: &Path, scene: &Scene, page: &mut String) -> Result<(), Box<dyn 
                 if mode == Mode::Koschmieder && scene.ambient_radiance == [0.0; 3] {
                     scene.ambient_radiance = DAYLIGHT;
                 }
-                let frame = backend.render(&scene, &|_| ())?;
+                let frame = match backend.render(&scene, &|_| ()) {
+                    Err(RenderError::Unsupported { feature, .. }) => {
+                        write!(page, "<td>no {feature}")?;
+                        continue;
+                    }
+                    other => other?,
+                };
                 let image = develop(&frame, &scene)?.left;
                 let file = format!("{}_{name}_{mode:?}_{}.png", scene.id, backend.backend());
                 write_image(&folder.join(&file), &image)?;

@@ -52,7 +52,7 @@ mod tests {
         }
     }
 
-    /// At Brewster's angle, tan i = n, one polarisation passes whole: the loss is half of r_s² = ((n² − 1)/(n² + 1))².
+    /// At Brewster's angle, tan i = n, one polarisation passes whole: the loss is half of `r_s² = ((n² − 1)/(n² + 1))²`.
     #[test]
     fn light_lost_at_brewsters_angle_is_that_of_one_polarisation() {
         let n = 1.49_f64;

@@ -44,12 +44,9 @@ fn entry_by_quartic_m(distance_m: f64, index: f64, height_m: f64, off_m: f64) ->
 
 #[test]
 fn projection_agrees_with_the_published_quartic() {
-    for (shape, glass) in [
-        (flat(0.05, 0.0, Vec3::z()), GLASS),
-        (flat(0.04, 0.01, Vec3::z()), WATER),
-    ] {
-        // Glass like water: all of it is water beyond the first face.
-        let distance_m = if glass == WATER { 0.04 } else { 0.05 };
+    // Glass like water: all of it is water beyond the first face.
+    for (distance_m, thickness_m, glass) in [(0.05, 0.0, GLASS), (0.04, 0.01, WATER)] {
+        let shape = flat(distance_m, thickness_m, Vec3::z());
         let port = Port::new(shape, glass, [WATER; 3]).unwrap();
         for (off_m, depth_m) in [(0.1, 0.3), (0.5, 1.0), (1.2, 2.0), (0.02, 5.0), (3.0, 3.0)] {
             let point_m = Vec3::new(0.6 * off_m, -0.8 * off_m, depth_m);
@@ -70,7 +67,7 @@ fn projection_agrees_with_the_published_quartic() {
     }
 }
 
-/// An infinitely thin port at the pupil leaves one centre and the law sin θ_air = n sin θ_water.
+/// An infinitely thin port at the pupil leaves one centre and the law `sin θ_air = n sin θ_water`.
 #[test]
 fn thin_port_at_the_pupil_is_snells_law_alone() {
     let port = Port::new(flat(0.0, 0.0, Vec3::z()), GLASS, [WATER; 3]).unwrap();
