@@ -1,7 +1,8 @@
-"""Reference numbers of light under water by Monte Carlo: python run.py [--passes N] [GROUP[:WORD] ...]
+"""Reference numbers of light under water by Monte Carlo: python run.py [--passes N] [GROUP[:WORD+WORD] ...]
 
 A pass adds SEEDS independent renders to a case; `--passes N` runs every case up to N of them. Results go to results/GROUP.json
-after each pass, so that a run may be stopped and taken up again. `rod:1C` runs those cases of a group that are about a word.
+after each pass, so that a run may be stopped and taken up again. `rod:1C+64` runs those cases of a group
+whose keys have these values.
 """
 
 import argparse
@@ -320,11 +321,11 @@ def main():
     options = parser.parse_args()
     guided.register()
     for passes in range(1, options.passes + 1):
-        for group, _, word in (name.partition(":") for name in options.groups):
+        for group, _, words in (name.partition(":") for name in options.groups):
             path = HERE / "results" / f"{group}.json"
             path.parent.mkdir(exist_ok=True)
             for key, run in GROUPS[group]():
-                if not word or word in map(str, key.values()):
+                if not words or set(words.split("+")) <= set(map(str, key.values())):
                     add_pass(path, group, key, run, passes)
 
 

