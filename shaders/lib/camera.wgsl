@@ -1,5 +1,6 @@
 // Pixel ↔ ray: see geometry/src/camera.rs.
 
+// A lens is a parameter of its own and not in the structure: the passes compile it in.
 const CAMERA_PINHOLE: u32 = 0u;
 const CAMERA_BROWN_CONRADY: u32 = 1u;
 const CAMERA_KANNALA_BRANDT: u32 = 2u;
@@ -20,7 +21,6 @@ struct Camera {
     p: vec2<f32>,
     /// Beyond this the lens draws ghosts: r² of Brown and Conrady, θ of Kannala and Brandt.
     fold: f32,
-    lens: u32,
     size_px: vec2<f32>,
 }
 
@@ -97,13 +97,13 @@ fn camera_undistort_kannala_brandt(camera: Camera, wanted: f32) -> f32 {
 
 /// The unit direction, in the camera's frame, seen at a place inside the pixel of a corner. In two parts, so that the place
 /// keeps its digits far from the principal point.
-fn camera_ray(camera: Camera, corner_px: vec2<f32>, inside_px: vec2<f32>) -> vec3<f32> {
+fn camera_ray(lens: u32, camera: Camera, corner_px: vec2<f32>, inside_px: vec2<f32>) -> vec3<f32> {
     let focal = vec2<f32>(camera.fx_px, camera.fy_px);
     let seen = ((corner_px - vec2<f32>(camera.cx_px, camera.cy_px)) + inside_px) / focal;
-    if camera.lens == CAMERA_BROWN_CONRADY {
+    if lens == CAMERA_BROWN_CONRADY {
         return normalize(vec3<f32>(camera_undistort_brown_conrady(camera, seen), 1.0));
     }
-    if camera.lens == CAMERA_KANNALA_BRANDT {
+    if lens == CAMERA_KANNALA_BRANDT {
         let wanted = length(seen);
         if wanted == 0.0 {
             return vec3<f32>(0.0, 0.0, 1.0);
@@ -115,9 +115,9 @@ fn camera_ray(camera: Camera, corner_px: vec2<f32>, inside_px: vec2<f32>) -> vec
 }
 
 /// The pixel (xy) at which a point of the camera's frame is seen, and whether it is (z = 1) or not (z = 0).
-fn camera_project(camera: Camera, point_m: vec3<f32>) -> vec3<f32> {
+fn camera_project(lens: u32, camera: Camera, point_m: vec3<f32>) -> vec3<f32> {
     var seen = vec2<f32>(0.0);
-    if camera.lens == CAMERA_KANNALA_BRANDT {
+    if lens == CAMERA_KANNALA_BRANDT {
         let r = length(point_m.xy);
         if r == 0.0 && point_m.z <= 0.0 {
             return vec3<f32>(0.0);
@@ -134,7 +134,7 @@ fn camera_project(camera: Camera, point_m: vec3<f32>) -> vec3<f32> {
             return vec3<f32>(0.0);
         }
         seen = point_m.xy / point_m.z;
-        if camera.lens == CAMERA_BROWN_CONRADY {
+        if lens == CAMERA_BROWN_CONRADY {
             if dot(seen, seen) >= camera.fold {
                 return vec3<f32>(0.0);
             }

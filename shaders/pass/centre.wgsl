@@ -8,7 +8,7 @@ fn centre(@builtin(global_invocation_id) id: vec3<u32>) {
     let pixels = tile.width * tile.rows;
     let pixel = id.y * tile.width + id.x;
     let corner = vec2<f32>(vec2<u32>(id.x, tile.first_row + id.y));
-    let direction = camera_to_rig(frame.eye, camera_ray(frame.eye, corner, vec2<f32>(0.5)));
+    let direction = camera_to_rig(frame.eye, camera_ray(EYE_LENS, frame.eye, corner, vec2<f32>(0.5)));
     let hit = scene_hit(vec3<f32>(0.0), direction);
     let sample = scene_light(direction, hit);
     let grazes = scene_grazes_a_limb(direction);
@@ -26,7 +26,7 @@ fn centre(@builtin(global_invocation_id) id: vec3<u32>) {
     var depth = 0.0;
     if hit.instance != NOTHING {
         depth = dot(frame.eye.forward, point);
-        let there = camera_project(frame.other, camera_from_rig(frame.other, point - frame.other.origin_m));
+        let there = camera_project(OTHER_LENS, frame.other, camera_from_rig(frame.other, point - frame.other.origin_m));
         if there.z > 0.0 {
             tag |= TAG_IN_VIEW;
             disparity = frame.disparity_sign * ((corner.x + 0.5) - there.x);

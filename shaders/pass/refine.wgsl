@@ -36,7 +36,7 @@ fn refine(@builtin(global_invocation_id) id: vec3<u32>) {
     var seen = 0u;
     for (var i = 0u; i < frame.samples; i++) {
         let inside = lattice_place(offsets[i], shift);
-        let direction = camera_to_rig(frame.eye, camera_ray(frame.eye, corner, inside));
+        let direction = camera_to_rig(frame.eye, camera_ray(EYE_LENS, frame.eye, corner, inside));
         let hit = scene_hit(vec3<f32>(0.0), direction);
         let sample = scene_light(direction, hit);
         direct += sample.direct;
@@ -56,7 +56,7 @@ fn refine(@builtin(global_invocation_id) id: vec3<u32>) {
         ranges[place] += min(hit.t_m, frame.horizon_m);
     }
     let share = 1.0 / f32(frame.samples);
-    let middle = camera_to_rig(frame.eye, camera_ray(frame.eye, corner, vec2<f32>(0.5)));
+    let middle = camera_to_rig(frame.eye, camera_ray(EYE_LENS, frame.eye, corner, vec2<f32>(0.5)));
     var scattered = vec3<f32>(0.0);
     for (var place = 0u; place < seen; place++) {
         let range = select(ranges[place] / counts[place], SOLID_NONE_M, things[place] == NOTHING);

@@ -4,6 +4,16 @@
 const MODE_AIR: u32 = 0u;
 const MODE_KOSCHMIEDER: u32 = 1u;
 
+// Compiled in: where all lanes walk through both sides of a branch, those that no frame takes are not free.
+override MODE: u32 = 2u;
+override EYE_LENS: u32 = 0u;
+override OTHER_LENS: u32 = 0u;
+override HAS_SEABED: bool = true;
+/// Whether the phase function is a table, not a few lobes.
+override PHASE_TABLE: bool = false;
+/// Whether the airlight is a table, not a sum over each ray.
+override AIRLIGHT_TABLE: bool = true;
+
 const NOTHING: u32 = 0u;
 const SEABED: u32 = 1u;
 
@@ -32,8 +42,6 @@ struct Frame {
     seabed_contrast: f32,
     seabed_scale_m: f32,
     seabed_seed: u32,
-    has_seabed: u32,
-    mode: u32,
     /// Of the tree.
     nodes: u32,
     lamps: u32,
@@ -42,10 +50,9 @@ struct Frame {
     samples: u32,
     /// Whether every pixel shifts its samples: the lattice does, the grid does not.
     shifts: u32,
-    /// Lobes of the phase function, or nodes of its table.
-    lobes: u32,
-    phase_table: u32,
-    /// Corners of the table of airlight; no columns if each ray is summed.
+    /// Nodes of the table of the phase function.
+    phase_nodes: u32,
+    /// Corners of the table of airlight.
     grid_columns: u32,
     grid_rows: u32,
     /// Steps from the camera to infinity, and the distance of half of them.
@@ -53,6 +60,8 @@ struct Frame {
     grid_half_way_m: f32,
     /// Cells per pixel.
     grid_scale: vec2<f32>,
+    /// Lobes of the phase function; those that it has not have no amplitude.
+    lobes: array<vec4<f32>, 4>,
     /// 1 for the left eye, -1 for the right one: disparity is left minus right.
     disparity_sign: f32,
 }
@@ -69,7 +78,7 @@ struct Rod {
 @group(0) @binding(3) var<storage, read> lamps: array<Lamp>;
 @group(0) @binding(4) var<storage, read> casters: array<Caster>;
 @group(0) @binding(5) var<storage, read> offsets: array<vec2<f32>>;
-@group(0) @binding(6) var<storage, read> phase: array<vec4<f32>>;
+@group(0) @binding(6) var<storage, read> phase: array<f32>;
 @group(0) @binding(7) var<storage, read> nodes: array<BvhNode>;
 /// At each corner and step the airlight of the ray up to there and its slope, per step.
 @group(0) @binding(8) var<storage, read> airlight: array<vec4<f32>>;
@@ -82,7 +91,7 @@ struct Hit {
 }
 
 fn scene_seabed_hit(origin_m: vec3<f32>, direction: vec3<f32>) -> f32 {
-    if frame.has_seabed == 0u || direction.z == 0.0 {
+    if !HAS_SEABED || direction.z == 0.0 {
         return SOLID_NONE_M;
     }
     let t = (frame.seabed_z_m - origin_m.z) / direction.z;
@@ -208,7 +217,7 @@ fn scene_surface(direction: vec3<f32>, hit: Hit) -> Surface {
     }
     let ambient = albedo * frame.ambient_radiance;
     var surface = Surface(ambient, ambient, 0u);
-    if frame.mode == MODE_KOSCHMIEDER {
+    if MODE == MODE_KOSCHMIEDER {
         return surface;
     }
     for (var i = 0u; i < frame.lamps; i++) {
@@ -240,7 +249,7 @@ struct Sample {
 
 fn scene_light(direction: vec3<f32>, hit: Hit) -> Sample {
     if hit.instance == NOTHING {
-        let background = select(vec3<f32>(0.0), frame.background_radiance, frame.mode == MODE_AIR);
+        let background = select(vec3<f32>(0.0), frame.background_radiance, MODE == MODE_AIR);
         return Sample(background, background, vec3<f32>(0.0), 0u);
     }
     let surface = scene_surface(direction, hit);

@@ -1,15 +1,15 @@
 // Light that the water scatters into a ray: see cpu/light.rs, cpu/shadow.rs and optics/src/airlight.rs.
 
 fn water_phase_per_sr(one_minus_cos: f32) -> f32 {
-    if frame.phase_table != 0u {
-        let last = frame.lobes - 1u;
+    if PHASE_TABLE {
+        let last = frame.phase_nodes - 1u;
         let at = phase_table_place(one_minus_cos) * f32(last);
         let node = min(u32(at), last - 1u);
-        return exp(mix(phase[node].x, phase[node + 1u].x, at - f32(node)));
+        return exp(mix(phase[node], phase[node + 1u], at - f32(node)));
     }
     var sum = 0.0;
-    for (var i = 0u; i < frame.lobes; i++) {
-        sum += phase_lobe_per_sr(phase[i].xyz, one_minus_cos);
+    for (var i = 0u; i < 4u; i++) {
+        sum += phase_lobe_per_sr(frame.lobes[i].xyz, one_minus_cos);
     }
     return sum;
 }
@@ -62,7 +62,7 @@ fn water_next_dark(lamp: u32, direction: vec3<f32>, distance_m: f32, after_m: f3
 
 /// What all lamps' light would add to a ray if nothing stood in it.
 fn water_unshadowed(direction: vec3<f32>, pixel: vec2<f32>, distance_m: f32) -> vec3<f32> {
-    if frame.grid_columns == 0u {
+    if !AIRLIGHT_TABLE {
         var sum = vec3<f32>(0.0);
         for (var i = 0u; i < frame.lamps; i++) {
             sum += water_scattered(lamps[i], direction, 0.0, min(distance_m, frame.horizon_m));
@@ -89,14 +89,14 @@ fn water_knots(corner: u32, step: f32, weights: vec4<f32>) -> vec3<f32> {
 
 /// Light the water scatters into the first `distance_m` of the ray through a pixel (`SOLID_NONE_M` where there is no surface).
 fn water_backscatter(direction: vec3<f32>, pixel: vec2<f32>, distance_m: f32) -> vec3<f32> {
-    if frame.mode == MODE_AIR {
+    if MODE == MODE_AIR {
         return vec3<f32>(0.0);
     }
     let c = frame.attenuation_per_m;
     // B∞ (1 - e^(-c z)) with B∞ = b L / c.
     let share = select(vec3<f32>(0.0), frame.scattering_per_m / max(c, vec3<f32>(1e-30)), c > vec3<f32>(0.0));
     let veil = share * frame.ambient_radiance * water_veil(c * min(distance_m, 1e30));
-    if frame.mode == MODE_KOSCHMIEDER {
+    if MODE == MODE_KOSCHMIEDER {
         return veil;
     }
     var light = water_unshadowed(direction, pixel, distance_m);

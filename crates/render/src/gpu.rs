@@ -9,7 +9,10 @@ mod passes;
 #[cfg(test)]
 mod shader_parity;
 mod tile;
+mod timer;
 mod upload;
+
+use std::sync::{Mutex, PoisonError};
 
 use rodsight_geometry::Eye;
 use rodsight_scene::{Finish, Mode, Scene};
@@ -20,12 +23,19 @@ use crate::cpu::world::World;
 use crate::frame::{EyeFrame, Frame, PixelTruth};
 use crate::{RenderError, Renderer};
 use device::Gpu;
-use passes::Passes;
+use passes::{Passes, Pipelines, STAGES};
 use tile::{Tile, TileBuffers};
 use upload::Upload;
 
 /// Pixels of a tile, where the adapter allows it: enough to keep any card busy, and 60 MB of buffers.
 const TILE_PIXELS: u64 = 1 << 19;
+
+/// The scene as one eye sees it, and the pipelines that take it.
+#[derive(Debug)]
+struct SceneBuffers {
+    group: wgpu::BindGroup,
+    pipelines: Pipelines,
+}
 
 /// The renderer on a graphics card, or on a software driver for one.
 #[derive(Debug)]
@@ -33,6 +43,8 @@ pub struct GpuRenderer {
     device: Gpu,
     passes: Passes,
     tile_pixels: u64,
+    /// Of the last pair, s.
+    times: Mutex<[f64; STAGES.len()]>,
 }
 
 impl GpuRenderer {
@@ -46,6 +58,7 @@ impl GpuRenderer {
             passes: Passes::new(&device)?,
             device,
             tile_pixels: TILE_PIXELS,
+            times: Mutex::default(),
         })
     }
 
@@ -56,6 +69,12 @@ impl GpuRenderer {
             tile_pixels,
             ..self
         }
+    }
+
+    /// How long each pass of the last pair took on the adapter, s, both eyes together; zeros where the adapter does not tell the time.
+    pub fn stage_times_s(&self) -> [(&'static str, f64); 4] {
+        let times = *self.times.lock().unwrap_or_else(PoisonError::into_inner);
+        core::array::from_fn(|stage| (STAGES[stage].name, times[stage]))
     }
 
     /// The tiles of both eyes, left and right in turn.
@@ -75,7 +94,7 @@ impl GpuRenderer {
     }
 
     /// The scene's buffers as one eye sees them.
-    fn bind(&self, world: &World<'_>, eye: Eye) -> Result<wgpu::BindGroup, RenderError> {
+    fn bind(&self, world: &World<'_>, eye: Eye) -> Result<SceneBuffers, RenderError> {
         use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
         let upload = Upload::new(world, eye);
@@ -100,24 +119,23 @@ impl GpuRenderer {
                 .map(|(label, contents)| buffer(label, contents, wgpu::BufferUsages::STORAGE)),
         );
         let buffers: Vec<&wgpu::Buffer> = buffers.iter().collect();
-        Ok(tile::bind_group(
-            &self.device.device,
-            "scene",
-            &self.passes.scene,
-            &buffers,
-        ))
+        let layout = &self.passes.scene;
+        Ok(SceneBuffers {
+            group: tile::bind_group(&self.device.device, "scene", layout, &buffers),
+            pipelines: self.passes.of(&self.device, upload.variant),
+        })
     }
 
     fn submit(
         &self,
-        scene: &wgpu::BindGroup,
+        scene: &SceneBuffers,
         buffers: &TileBuffers,
         tile: &Tile,
     ) -> wgpu::SubmissionIndex {
         let Gpu { device, queue, .. } = &self.device;
         buffers.prepare(&self.device, tile);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.passes.encode(&mut encoder, scene, buffers, tile);
+        passes::encode(&mut encoder, scene, buffers, tile);
         buffers.encode_copy(&mut encoder, tile);
         queue.submit([encoder.finish()])
     }
@@ -129,7 +147,7 @@ impl GpuRenderer {
     ) -> Result<[EyeFrame; 2], RenderError> {
         let tiles = self.tiles(scene)?;
         let world = World::new(scene);
-        let groups = [
+        let scenes = [
             self.bind(&world, Eye::Left)?,
             self.bind(&world, Eye::Right)?,
         ];
@@ -147,11 +165,12 @@ impl GpuRenderer {
                 pixels: vec![PixelTruth::NOTHING; i.width_px as usize * i.height_px as usize],
             }
         });
-        let read = |(eye, tile, submission): (Eye, &Tile, _), eyes: &mut [EyeFrame; 2]| {
+        let mut times = [0.0; STAGES.len()];
+        let mut read = |(eye, tile, submission): (Eye, &Tile, _), eyes: &mut [EyeFrame; 2]| {
             let width = tile.width as usize;
             let rows = tile.kept.start as usize * width..tile.kept.end as usize * width;
             let pixels = &mut eyes[eye as usize].pixels[rows];
-            buffers[eye as usize].read(&self.device, submission, tile, pixels)
+            buffers[eye as usize].read(&self.device, submission, tile, pixels, &mut times)
         };
         // While one eye's tile is read the other eye's is computed.
         let mut before: Option<(Eye, &Tile, wgpu::SubmissionIndex)> = None;
@@ -159,7 +178,7 @@ impl GpuRenderer {
             if let Some(pending) = before.take_if(|(there, ..)| there == eye) {
                 read(pending, &mut eyes)?;
             }
-            let submission = self.submit(&groups[*eye as usize], &buffers[*eye as usize], tile);
+            let submission = self.submit(&scenes[*eye as usize], &buffers[*eye as usize], tile);
             if let Some(pending) = before.replace((*eye, tile, submission)) {
                 read(pending, &mut eyes)?;
             }
@@ -168,6 +187,7 @@ impl GpuRenderer {
         if let Some(pending) = before {
             read(pending, &mut eyes)?;
         }
+        *self.times.lock().unwrap_or_else(PoisonError::into_inner) = times;
         progress(1.0);
         Ok(eyes)
     }

@@ -115,6 +115,8 @@ impl Gpu {
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("rodsight"),
             required_limits: limits.clone(),
+            // Only to tell how long a pass takes.
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             ..wgpu::DeviceDescriptor::default()
         }))
         .map_err(|error| refused(&error))?;
@@ -190,6 +192,34 @@ impl Gpu {
             return Err(self.error(message));
         }
         result
+    }
+
+    /// Reads the beginning of a buffer that a finished submission has written.
+    pub(super) fn mapped<T>(
+        &self,
+        buffer: &wgpu::Buffer,
+        size: u64,
+        read: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, RenderError> {
+        let (tell, told) = std::sync::mpsc::channel();
+        buffer.map_async(wgpu::MapMode::Read, 0..size, move |result| {
+            // Nobody listens any more when the poll below has failed.
+            tell.send(result).ok();
+        });
+        let failed = |error: &dyn core::fmt::Display| self.error(format!("reading back: {error}"));
+        self.device
+            .poll(wgpu::PollType::Poll)
+            .map_err(|error| failed(&error))?;
+        told.try_recv()
+            .map_err(|error| failed(&error))?
+            .map_err(|error| failed(&error))?;
+        let view = buffer
+            .get_mapped_range(0..size)
+            .map_err(|error| failed(&error))?;
+        let value = read(&view);
+        drop(view);
+        buffer.unmap();
+        Ok(value)
     }
 
     /// Waits for a submission.

@@ -64,7 +64,6 @@ pub(super) struct Camera {
     pub(super) k: Vec4f,
     pub(super) p: Vec2f,
     pub(super) fold: f32,
-    pub(super) lens: u32,
     pub(super) size_px: Vec2f,
 }
 
@@ -86,20 +85,18 @@ pub(super) struct Frame {
     pub(super) seabed_contrast: f32,
     pub(super) seabed_scale_m: f32,
     pub(super) seabed_seed: u32,
-    pub(super) has_seabed: u32,
-    pub(super) mode: u32,
     pub(super) nodes: u32,
     pub(super) lamps: u32,
     pub(super) casters: u32,
     pub(super) samples: u32,
     pub(super) shifts: u32,
-    pub(super) lobes: u32,
-    pub(super) phase_table: u32,
+    pub(super) phase_nodes: u32,
     pub(super) grid_columns: u32,
     pub(super) grid_rows: u32,
     pub(super) grid_steps: u32,
     pub(super) grid_half_way_m: f32,
     pub(super) grid_scale: Vec2f,
+    pub(super) lobes: [Vec4f; 4],
     pub(super) disparity_sign: f32,
 }
 
@@ -227,7 +224,6 @@ mod tests {
                 k,
                 p,
                 fold,
-                lens,
                 size_px
             }
         );
@@ -250,20 +246,18 @@ mod tests {
                 seabed_contrast,
                 seabed_scale_m,
                 seabed_seed,
-                has_seabed,
-                mode,
                 nodes,
                 lamps,
                 casters,
                 samples,
                 shifts,
-                lobes,
-                phase_table,
+                phase_nodes,
                 grid_columns,
                 grid_rows,
                 grid_steps,
                 grid_half_way_m,
                 grid_scale,
+                lobes,
                 disparity_sign
             }
         );

@@ -1,10 +1,16 @@
 //! Pipelines, their bindings, and the passes of one tile.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use rodsight_shaders::{BACKSCATTER, CENTRE, MARK, Pass, REFINE};
 
+use super::SceneBuffers;
 use super::device::Gpu;
 use super::tile::{Tile, TileBuffers};
 use crate::RenderError;
+
+/// The passes of a tile, in their order.
+pub(super) const STAGES: [Pass; 4] = [CENTRE, BACKSCATTER, MARK, REFINE];
 
 /// Edge of the square of pixels of a workgroup.
 const GROUP: u32 = 8;
@@ -13,7 +19,35 @@ const SCENE_BUFFERS: u32 = 8;
 /// Storage buffers of the tile's group, after its uniform.
 const TILE_BUFFERS: u32 = 4;
 
-/// The compiled passes.
+/// What is compiled into the passes of an eye; see `scene.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Variant {
+    pub(super) mode: u32,
+    pub(super) eye_lens: u32,
+    pub(super) other_lens: u32,
+    pub(super) has_seabed: bool,
+    pub(super) has_phase_table: bool,
+    pub(super) has_airlight_table: bool,
+}
+
+impl Variant {
+    fn constants(self) -> [(&'static str, f64); 6] {
+        [
+            ("MODE", self.mode),
+            ("EYE_LENS", self.eye_lens),
+            ("OTHER_LENS", self.other_lens),
+            ("HAS_SEABED", self.has_seabed.into()),
+            ("PHASE_TABLE", self.has_phase_table.into()),
+            ("AIRLIGHT_TABLE", self.has_airlight_table.into()),
+        ]
+        .map(|(name, value)| (name, f64::from(value)))
+    }
+}
+
+/// The pipelines of a variant, in the order of [`STAGES`].
+pub(super) type Pipelines = Arc<[wgpu::ComputePipeline; STAGES.len()]>;
+
+/// The passes, and the pipelines that were asked for so far.
 #[derive(Debug)]
 pub(super) struct Passes {
     pub(super) scene: wgpu::BindGroupLayout,
@@ -21,88 +55,102 @@ pub(super) struct Passes {
     /// The count of edges, written by `mark` and read by `refine`.
     pub(super) written: wgpu::BindGroupLayout,
     pub(super) read: wgpu::BindGroupLayout,
-    centre: wgpu::ComputePipeline,
-    backscatter: wgpu::ComputePipeline,
-    mark: wgpu::ComputePipeline,
-    refine: wgpu::ComputePipeline,
+    modules: [wgpu::ShaderModule; STAGES.len()],
+    pipelines: Mutex<Vec<(Variant, Pipelines)>>,
 }
 
 impl Passes {
     pub(super) fn new(device: &Gpu) -> Result<Self, RenderError> {
         device.watched(|| {
             let d = &device.device;
-            let scene = group(d, "scene", &uniform_and(SCENE_BUFFERS, true));
-            let tile = group(d, "tile", &uniform_and(TILE_BUFFERS, false));
-            let written = group(d, "edge count, written", &[storage(0, false)]);
-            let read = group(d, "edge count, read", &[storage(0, true)]);
-            let pipeline = |pass: &Pass, third: Option<&wgpu::BindGroupLayout>| {
-                let layout = d.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                    label: Some(pass.name),
-                    bind_group_layouts: &[Some(&scene), Some(&tile), third],
-                    immediate_size: 0,
-                });
-                let module = d.create_shader_module(wgpu::ShaderModuleDescriptor {
-                    label: Some(pass.name),
-                    source: wgpu::ShaderSource::Wgsl(pass.source().into()),
-                });
-                d.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                    label: Some(pass.name),
-                    layout: Some(&layout),
-                    module: &module,
-                    entry_point: Some(pass.name),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    cache: None,
-                })
-            };
             Ok(Self {
-                centre: pipeline(&CENTRE, None),
-                backscatter: pipeline(&BACKSCATTER, None),
-                mark: pipeline(&MARK, Some(&written)),
-                refine: pipeline(&REFINE, Some(&read)),
-                scene,
-                tile,
-                written,
-                read,
+                scene: group(d, "scene", &uniform_and(SCENE_BUFFERS, true)),
+                tile: group(d, "tile", &uniform_and(TILE_BUFFERS, false)),
+                written: group(d, "edge count, written", &[storage(0, false)]),
+                read: group(d, "edge count, read", &[storage(0, true)]),
+                modules: STAGES.map(|pass| {
+                    d.create_shader_module(wgpu::ShaderModuleDescriptor {
+                        label: Some(pass.name),
+                        source: wgpu::ShaderSource::Wgsl(pass.source().into()),
+                    })
+                }),
+                pipelines: Mutex::default(),
             })
         })
     }
 
-    /// All passes of a tile.
-    pub(super) fn encode(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        scene: &wgpu::BindGroup,
-        buffers: &TileBuffers,
-        tile: &Tile,
-    ) {
-        let pass = |encoder: &mut wgpu::CommandEncoder,
-                    pipeline: &wgpu::ComputePipeline,
-                    label: &str,
-                    third: Option<&wgpu::BindGroup>| {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some(label),
-                timestamp_writes: None,
-            });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, scene, &[]);
-            pass.set_bind_group(1, &buffers.group, &[]);
-            if let Some(third) = third {
-                pass.set_bind_group(2, third, &[]);
-            }
-            if label == REFINE.name {
-                pass.dispatch_workgroups_indirect(&buffers.indirect, 0);
-            } else {
-                pass.dispatch_workgroups(
-                    tile.width.div_ceil(GROUP),
-                    tile.rows().div_ceil(GROUP),
-                    1,
-                );
-            }
+    /// The pipelines of a variant, compiled when it is first asked for.
+    pub(super) fn of(&self, device: &Gpu, variant: Variant) -> Pipelines {
+        let mut all = self
+            .pipelines
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, pipelines)) = all.iter().find(|(known, _)| *known == variant) {
+            return Arc::clone(pipelines);
+        }
+        let pipelines = Arc::new(core::array::from_fn(|i| self.pipeline(device, i, variant)));
+        all.push((variant, Arc::clone(&pipelines)));
+        pipelines
+    }
+
+    fn pipeline(&self, device: &Gpu, stage: usize, variant: Variant) -> wgpu::ComputePipeline {
+        let pass = STAGES[stage];
+        let third = match pass {
+            MARK => Some(&self.written),
+            REFINE => Some(&self.read),
+            _ => None,
         };
-        pass(encoder, &self.centre, CENTRE.name, None);
-        pass(encoder, &self.backscatter, BACKSCATTER.name, None);
-        pass(encoder, &self.mark, MARK.name, Some(&buffers.written));
-        pass(encoder, &self.refine, REFINE.name, Some(&buffers.read));
+        let d = &device.device;
+        let layout = d.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(pass.name),
+            bind_group_layouts: &[Some(&self.scene), Some(&self.tile), third],
+            immediate_size: 0,
+        });
+        let constants = variant.constants();
+        d.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(pass.name),
+            layout: Some(&layout),
+            module: &self.modules[stage],
+            entry_point: Some(pass.name),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                // `mark` casts no rays.
+                constants: if pass == MARK { &[] } else { &constants },
+                ..wgpu::PipelineCompilationOptions::default()
+            },
+            cache: None,
+        })
+    }
+}
+
+/// All passes of a tile.
+pub(super) fn encode(
+    encoder: &mut wgpu::CommandEncoder,
+    scene: &SceneBuffers,
+    buffers: &TileBuffers,
+    tile: &Tile,
+) {
+    for (stage, pipeline) in scene.pipelines.iter().enumerate() {
+        let third = match STAGES[stage] {
+            MARK => Some(&buffers.written),
+            REFINE => Some(&buffers.read),
+            _ => None,
+        };
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(STAGES[stage].name),
+            timestamp_writes: buffers.timer.as_ref().map(|timer| timer.of_stage(stage)),
+        });
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &scene.group, &[]);
+        pass.set_bind_group(1, &buffers.group, &[]);
+        if let Some(third) = third {
+            pass.set_bind_group(2, third, &[]);
+        }
+        if STAGES[stage] == REFINE {
+            pass.dispatch_workgroups_indirect(&buffers.indirect, 0);
+        } else {
+            let groups = |pixels: u32| pixels.div_ceil(GROUP);
+            pass.dispatch_workgroups(groups(tile.width), groups(tile.rows()), 1);
+        }
     }
 }
 

@@ -7,7 +7,8 @@ use wgpu::BufferUsages;
 
 use super::device::Gpu;
 use super::layout;
-use super::passes::Passes;
+use super::passes::{Passes, STAGES};
+use super::timer::Timer;
 use crate::RenderError;
 use crate::frame::PixelTruth;
 
@@ -88,6 +89,7 @@ pub(super) struct TileBuffers {
     pub(super) group: wgpu::BindGroup,
     pub(super) written: wgpu::BindGroup,
     pub(super) read: wgpu::BindGroup,
+    pub(super) timer: Option<Timer>,
 }
 
 impl TileBuffers {
@@ -136,6 +138,7 @@ impl TileBuffers {
             surface,
             indirect,
             back,
+            timer: Timer::new(device),
         }
     }
 
@@ -166,7 +169,7 @@ impl TileBuffers {
             .write_buffer(&self.indirect, 0, &bytes.into_inner());
     }
 
-    /// Copies the planes where they can be read.
+    /// Copies the planes, and the times of the passes, where they can be read.
     pub(super) fn encode_copy(&self, encoder: &mut wgpu::CommandEncoder, tile: &Tile) {
         let (light, surface) = (
             4 * LIGHT_PLANES * tile.pixels(),
@@ -174,35 +177,26 @@ impl TileBuffers {
         );
         encoder.copy_buffer_to_buffer(&self.light, 0, &self.back, 0, light);
         encoder.copy_buffer_to_buffer(&self.surface, 0, &self.back, light, surface);
+        if let Some(timer) = &self.timer {
+            timer.encode(encoder);
+        }
     }
 
-    /// Waits for a tile and writes its pixels into the rows of its image that it keeps.
+    /// Waits for a tile and writes its pixels into the rows of its image that it keeps. Adds the times of its passes, s.
     pub(super) fn read(
         &self,
         device: &Gpu,
         submission: wgpu::SubmissionIndex,
         tile: &Tile,
         rows: &mut [PixelTruth],
+        times: &mut [f64; STAGES.len()],
     ) -> Result<(), RenderError> {
-        let size = 4 * (LIGHT_PLANES + SURFACE_PLANES) * tile.pixels();
-        let (tell, told) = std::sync::mpsc::channel();
-        self.back
-            .map_async(wgpu::MapMode::Read, 0..size, move |result| {
-                // Nobody listens any more when the wait below has failed.
-                tell.send(result).ok();
-            });
         device.wait(submission)?;
-        told.try_recv()
-            .map_err(|_| device.error("the pixels of a finished submission cannot be read"))?
-            .map_err(|error| device.error(error.to_string()))?;
-        let view = self
-            .back
-            .get_mapped_range(0..size)
-            .map_err(|error| device.error(error.to_string()))?;
-        unpack(&view, tile, rows);
-        drop(view);
-        self.back.unmap();
-        Ok(())
+        let size = 4 * (LIGHT_PLANES + SURFACE_PLANES) * tile.pixels();
+        device.mapped(&self.back, size, |bytes| unpack(bytes, tile, rows))?;
+        self.timer
+            .as_ref()
+            .map_or(Ok(()), |timer| timer.add(device, times))
     }
 }
 

@@ -4,9 +4,10 @@ use encase::ShaderType;
 use encase::internal::WriteInto;
 use rodsight_geometry::{Distortion, Eye, MountedCamera, Vec3};
 use rodsight_optics::Phase;
-use rodsight_scene::{EdgeSampling, Material, Mode};
+use rodsight_scene::{EdgeSampling, Material, Mode, Scene};
 
 use super::layout::{self, Vec2f, Vec4f};
+use super::passes::Variant;
 use crate::bvh::Bvh;
 use crate::cpu::airlight_grid::{AirlightGrid, STEPS};
 use crate::cpu::rod::Rods;
@@ -14,11 +15,12 @@ use crate::cpu::solid::Capped;
 use crate::cpu::world::{World, graze_rad};
 use crate::lattice::edge_offsets;
 
-/// Nodes of the table of a phase function that is no sum of lobes: linear between them it is 1e-5 off.
+/// Nodes of the table of a phase function that is no sum of four lobes: linear between them it is 1e-5 off.
 const PHASE_NODES: u32 = 2048;
 
 /// The contents of the buffers of an eye, in the order of their bindings.
 pub(super) struct Upload {
+    pub(super) variant: Variant,
     pub(super) frame: Vec<u8>,
     pub(super) storage: Vec<(&'static str, Vec<u8>)>,
 }
@@ -68,7 +70,7 @@ impl Upload {
             .into_iter()
             .map(Vec2f::from)
             .collect();
-        let (phase, phase_table) = phase(world.scene.medium.phase());
+        let (lobes, phase) = phase(world.scene.medium.phase());
         let grid = AirlightGrid::new(world, world.scene.rig.eye(eye));
         let airlight: Vec<Vec4f> = grid
             .knots
@@ -82,13 +84,9 @@ impl Upload {
             lamps: lamps.len() as u32,
             casters: (casters.len() / lamps.len().max(1)) as u32,
             samples: offsets.len() as u32,
-            lobes: phase.len() as u32,
-            phase_table: phase_table.into(),
-            grid_columns: if grid.knots.is_empty() {
-                0
-            } else {
-                grid.columns as u32
-            },
+            lobes: lobes.unwrap_or_default(),
+            phase_nodes: phase.len() as u32,
+            grid_columns: grid.columns as u32,
             grid_rows: grid.rows as u32,
             grid_steps: STEPS as u32,
             grid_half_way_m: grid.half_way_m as f32,
@@ -98,6 +96,11 @@ impl Upload {
         let mut bytes = encase::UniformBuffer::new(Vec::new());
         bytes.write(&frame).expect("a vector grows");
         Self {
+            variant: Variant {
+                has_phase_table: lobes.is_none(),
+                has_airlight_table: !grid.knots.is_empty(),
+                ..variant(world.scene, eye)
+            },
             frame: bytes.into_inner(),
             storage: vec![
                 ("segments", storage(segments(&world.rods, &origin_m))),
@@ -126,6 +129,27 @@ where
     bytes.into_inner()
 }
 
+/// Everything of the variant but the tables.
+fn variant(scene: &Scene, eye: Eye) -> Variant {
+    let lens = |eye| match scene.rig.eye(eye).camera.distortion() {
+        Distortion::None => 0,
+        Distortion::BrownConrady(_) => 1,
+        Distortion::KannalaBrandt(_) => 2,
+    };
+    Variant {
+        mode: match scene.mode {
+            Mode::Air => 0,
+            Mode::Koschmieder => 1,
+            Mode::Single => 2,
+            Mode::Full => 3,
+        },
+        eye_lens: lens(eye),
+        other_lens: lens(eye.other()),
+        has_seabed: scene.seabed.is_some(),
+        ..Variant::default()
+    }
+}
+
 /// Everything of the frame but the lengths of the buffers.
 fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
     let scene = world.scene;
@@ -149,13 +173,6 @@ fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
         seabed_contrast: seabed.map_or(0.0, |s| s.texture_contrast) as f32,
         seabed_scale_m: seabed.map_or(1.0, |s| s.texture_scale_m) as f32,
         seabed_seed: crate::cpu::seabed::seed_word(scene.seed),
-        has_seabed: seabed.is_some().into(),
-        mode: match scene.mode {
-            Mode::Air => 0,
-            Mode::Koschmieder => 1,
-            Mode::Single => 2,
-            Mode::Full => 3,
-        },
         shifts: matches!(scene.sampling.edge, EdgeSampling::Fibonacci { .. }).into(),
         disparity_sign: match eye {
             Eye::Left => 1.0,
@@ -168,10 +185,10 @@ fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
 fn camera(mounted: &MountedCamera, from_m: &Vec3) -> layout::Camera {
     let i = mounted.camera.intrinsics();
     let pose = &mounted.rig_from_camera;
-    let (lens, k, p) = match *mounted.camera.distortion() {
-        Distortion::None => (0, [0.0; 4], [0.0; 2]),
-        Distortion::BrownConrady([k1, k2, p1, p2, k3]) => (1, [k1, k2, k3, 0.0], [p1, p2]),
-        Distortion::KannalaBrandt(k) => (2, k, [0.0; 2]),
+    let (k, p) = match *mounted.camera.distortion() {
+        Distortion::None => ([0.0; 4], [0.0; 2]),
+        Distortion::BrownConrady([k1, k2, p1, p2, k3]) => ([k1, k2, k3, 0.0], [p1, p2]),
+        Distortion::KannalaBrandt(k) => (k, [0.0; 2]),
     };
     layout::Camera {
         right: pose.direction(&Vec3::x()).into(),
@@ -185,7 +202,6 @@ fn camera(mounted: &MountedCamera, from_m: &Vec3) -> layout::Camera {
         k: k.into(),
         p: p.into(),
         fold: mounted.camera.fold().min(1e30) as f32,
-        lens,
         size_px: [f64::from(i.width_px), f64::from(i.height_px)].into(),
     }
 }
@@ -278,33 +294,32 @@ fn threaded(tree: &Bvh, from_m: &Vec3) -> Vec<layout::BvhNode> {
     nodes
 }
 
-/// Lobes as (amplitude, (1 − g)², 2g, 0), or a table of logarithms and whether it is one.
-fn phase(phase: &Phase) -> (Vec<Vec4f>, bool) {
+/// Up to four lobes as (amplitude, (1 − g)², 2g, 0), or else a table of logarithms.
+fn phase(phase: &Phase) -> (Option<[Vec4f; 4]>, Vec<f32>) {
     const PI: f64 = core::f64::consts::PI;
+    let mut four = [[0.0, 1.0, 0.0, 0.0]; 4];
     match phase {
-        Phase::Isotropic => (vec![[0.25 / PI, 1.0, 0.0, 0.0].into()], false),
-        Phase::HenyeyGreensteinSum(lobes) => {
-            let constants = lobes.iter().map(|lobe| {
-                let amplitude = lobe.weight * (1.0 - lobe.g * lobe.g) / (4.0 * PI);
-                [
-                    amplitude,
-                    (1.0 - lobe.g) * (1.0 - lobe.g),
+        Phase::Isotropic => four[0][0] = 0.25 / PI,
+        Phase::HenyeyGreensteinSum(lobes) if lobes.len() <= four.len() => {
+            for (lobe, constants) in lobes.iter().zip(&mut four) {
+                let (rest, amplitude) = (1.0 - lobe.g, 1.0 - lobe.g * lobe.g);
+                *constants = [
+                    lobe.weight * amplitude / (4.0 * PI),
+                    rest * rest,
                     2.0 * lobe.g,
                     0.0,
-                ]
-                .into()
-            });
-            (constants.collect(), false)
+                ];
+            }
         }
-        Phase::FournierForand { .. } => {
+        Phase::HenyeyGreensteinSum(_) | Phase::FournierForand { .. } => {
             let node = |i: u32| {
                 // 1 − cos θ = 2 y⁸.
                 let y = f64::from(i) / f64::from(PHASE_NODES - 1);
                 let y4 = y * y * y * y;
-                let value = phase.value_per_sr(1.0 - 2.0 * y4 * y4);
-                [libm::log(value), 0.0, 0.0, 0.0].into()
+                libm::log(phase.value_per_sr(1.0 - 2.0 * y4 * y4)) as f32
             };
-            ((0..PHASE_NODES).map(node).collect(), true)
+            return (None, (0..PHASE_NODES).map(node).collect());
         }
     }
+    (Some(four.map(Vec4f::from)), Vec::new())
 }

@@ -122,7 +122,7 @@ macro_rules! with_camera {
             "let camera = Camera(vec3<f32>(0.9553365, 0.2955202, 0.0), x(0u), ",
             "vec3<f32>(-0.24390256, 0.7884752, 0.5646425), x(1u), ",
             "vec3<f32>(0.16686328, -0.5394298, 0.8253356), x(2u), vec3<f32>(0.0), x(3u), ",
-            "vec4<f32>(v(4u), x(7u)), vec2<f32>(x(8u), x(9u)), x(10u), u32(x(11u)), vec2<f32>(x(12u), x(13u)));\n",
+            "vec4<f32>(v(4u), x(7u)), vec2<f32>(x(8u), x(9u)), x(10u), vec2<f32>(x(12u), x(13u)));\n",
             $body
         )
     };
@@ -193,7 +193,7 @@ fn lenses() -> Vec<Row> {
         Row {
             name: "camera_ray",
             body: with_camera!(
-                "w(0u, camera_ray(camera, vec2<f32>(x(14u), x(15u)), vec2<f32>(x(16u), 0.25)));"
+                "w(0u, camera_ray(u32(x(11u)), camera, vec2<f32>(x(14u), x(15u)), vec2<f32>(x(16u), 0.25)));"
             ),
             inputs: seen_by(
                 &[0, 1, 2],
@@ -218,7 +218,7 @@ fn lenses() -> Vec<Row> {
         Row {
             name: "camera_project",
             body: with_camera!(
-                "let r = camera_project(camera, v(14u)); w(0u, select(vec3<f32>(0.0), r, r.z > 0.0));"
+                "let r = camera_project(u32(x(11u)), camera, v(14u)); w(0u, select(vec3<f32>(0.0), r, r.z > 0.0));"
             ),
             inputs: seen_by(
                 &[0, 1, 2],
