@@ -20,6 +20,7 @@
 
 mod airlight;
 mod exponential;
+mod gloss;
 mod medium;
 mod nnls;
 mod phase;
@@ -27,6 +28,7 @@ pub mod water;
 mod wells;
 
 pub use airlight::{Airlight, EquiAngular, Node};
+pub use gloss::{Coat, Cosines};
 pub use medium::{Medium, MediumError, transmittance};
 pub use phase::{Lobe, Phase, PhaseError};
 pub use wells::{ForwardLobe, Halo, Wells, width_px};

@@ -5,14 +5,19 @@
 
 pub(crate) mod airlight_grid;
 pub(crate) mod arc;
+pub(crate) mod bodies;
+mod finish;
 mod halo;
 pub(crate) mod light;
+pub(crate) mod lump;
 mod overscan;
 mod plane;
 pub(crate) mod rod;
 pub(crate) mod seabed;
 pub(crate) mod shadow;
 pub(crate) mod solid;
+pub(crate) mod texture;
+pub(crate) mod triangles;
 pub(crate) mod world;
 
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -20,7 +25,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use rayon::prelude::*;
 use rodsight_geometry::{Band, CameraFrame, Eye, MountedCamera, Pixel, Pose, RigFrame};
 use rodsight_optics::{Bands, Halo, transmittance};
-use rodsight_scene::{Finish, Mode, Scene};
+use rodsight_scene::{Mode, Scene};
 
 use crate::frame::{EyeFrame, Frame, PixelTruth};
 use crate::lattice::{edge_offsets, pixel_shift};
@@ -55,33 +60,6 @@ impl Renderer for CpuRenderer {
     }
 }
 
-/// What of a scene is more than plain rods and a plain floor.
-fn beyond_rods(scene: &Scene) -> Option<&'static str> {
-    let seabed = scene.seabed.as_ref();
-    let features = [
-        ("[[occluder]]", !scene.occluders.is_empty()),
-        ("[[prop]]", !scene.props.is_empty()),
-        (
-            "[rod.surface]",
-            scene
-                .rods
-                .iter()
-                .any(|rod| rod.finish != Finish::default() || rod.fouling.is_some()),
-        ),
-        (
-            "[seabed.ripples]",
-            seabed.is_some_and(|s| s.ripples.is_some()),
-        ),
-        (
-            "[seabed.clutter]",
-            seabed.is_some_and(|s| s.clutter.is_some()),
-        ),
-    ];
-    features
-        .into_iter()
-        .find_map(|(name, used)| used.then_some(name))
-}
-
 impl CpuRenderer {
     /// Renders one eye.
     ///
@@ -93,14 +71,6 @@ impl CpuRenderer {
         eye: Eye,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<EyeFrame, RenderError> {
-        if let Some(feature) = beyond_rods(scene) {
-            return Err(RenderError::Unsupported {
-                scene: scene.id.clone(),
-                backend: self.backend(),
-                feature,
-                instead: "leave it out",
-            });
-        }
         RenderError::refuse_too_large(scene, eye)?;
         let world = World::new(scene);
         let cast = |band, from, share| {
@@ -136,6 +106,7 @@ struct Caster<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct EdgeKey {
     instance: u16,
+    part: u32,
     cap: bool,
     lit_by: u32,
     /// A limb passes nearby although the centre ray does not tell.
@@ -272,7 +243,7 @@ impl<'a> Caster<'a> {
                 .direction(&hit.normal)
                 .map(|v| v as f32)
                 .into();
-            truth.instance = hit.thing.instance();
+            truth.instance = self.world.instance(hit.thing);
             truth.material = hit.thing.material();
             if let Some(there) = seen_by_other {
                 truth.disparity_px = match self.eye {
@@ -284,7 +255,8 @@ impl<'a> Caster<'a> {
                 self.other.camera.contains(&there.pixel)
                     && !self.world.is_hidden(&point, &there.from_m)
             });
-            key.instance = hit.thing.instance();
+            key.instance = self.world.instance(hit.thing);
+            key.part = hit.part;
             key.cap = hit.face == Face::Cap;
         }
         store(&mut truth, &surface, &backscatter);

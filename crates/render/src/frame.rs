@@ -73,7 +73,7 @@ pub struct PixelTruth {
     pub clean: [f32; 3],
     /// Beam transmission from the surface to the lens, [0, 1]; 0 where there is no surface.
     pub transmission: [f32; 3],
-    /// Unit normal of the surface in the camera frame; zero where there is none.
+    /// Unit normal of the surface in the camera frame, as light sees it (rounded on meshes, rippled on the seabed); zero where there is none.
     pub normal: [f32; 3],
     /// z in the camera frame, m; +∞ where there is no surface.
     pub depth_m: f32,
@@ -81,9 +81,9 @@ pub struct PixelTruth {
     pub range_m: f32,
     /// `u_left − u_right` of this surface point, px; +∞ where there is no surface or the other eye looks away from it.
     pub disparity_px: f32,
-    /// 0 nothing, 1 seabed, 2 + index of the rod.
+    /// 0 nothing, 1 seabed, then one for each rod, each occluder, each prop, the growth on each rod, and one for all stones.
     pub instance: u16,
-    /// 0 nothing, 1 seabed, 2 rod.
+    /// 0 nothing, 1 seabed, 2 rod, 3 occluder, 4 prop, 5 growth, 6 stone.
     pub material: u16,
     /// The other eye does not see this surface point: hidden or outside its image.
     pub occluded: bool,

@@ -20,6 +20,7 @@ mod lens;
 mod noise;
 mod pair;
 mod srgb;
+mod strew;
 mod truth;
 mod whole_file;
 
@@ -35,6 +36,7 @@ pub use noise::Philox;
 pub use pair::{PairPaths, write_pair};
 pub use srgb::{srgb_decode, srgb_encode};
 pub use truth::{ConeTruth, EyeTruth, GraspTruth, LineTruth, RodTruth, Truth, WaterTruth};
+pub use truth::{FoulingTruth, OccluderTruth, PropTruth, StonesTruth};
 pub use whole_file::{discard_unfinished, write_whole};
 
 use rodsight_scene::Scene;

@@ -61,9 +61,9 @@ impl PairPaths {
     }
 }
 
-/// Writes `left.png right.png rig.toml scene.toml truth.json` (or `left.jpg right.jpg`), the raw images if they were developed and,
-/// of the frame if one is given, `left.exr right.exr` into an existing folder. Each file appears whole or not at all, and
-/// `truth.json` last: a folder with it is complete and of one piece.
+/// Writes `left.png right.png rig.toml scene.toml truth.json` (or `left.jpg right.jpg`), a mesh in `props` for each prop, the raw images
+/// if they were developed and, of the frame if one is given, `left.exr right.exr` into an existing folder. Each file appears whole or
+/// not at all, and `truth.json` last: a folder with it is complete and of one piece.
 ///
 /// # Errors
 /// The file that cannot be written and why.
@@ -94,6 +94,12 @@ pub fn write_pair(
     if let Some(frame) = channels {
         write_exr(&paths.left_exr, &frame.left)?;
         write_exr(&paths.right_exr, &frame.right)?;
+    }
+    for prop in &scene.props {
+        let path = folder.join(prop.written_file());
+        let parent = path.parent().unwrap_or(folder);
+        std::fs::create_dir_all(parent).map_err(|error| io(parent, error))?;
+        write_whole(&path, |file| file.write_all(&prop.mesh.to_glb()))?;
     }
     write_whole(&paths.rig_toml, |file| {
         file.write_all(RigFile::from_rig(&scene.rig).to_toml().as_bytes())

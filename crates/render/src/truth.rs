@@ -1,5 +1,6 @@
 //! The truth record: what is to be found in a pair, and how well it could be.
 
+mod content;
 mod view;
 
 use rodsight_geometry::{Eye, ImageLine, Line3, PaperGrasp, RigFile};
@@ -13,6 +14,7 @@ use crate::cpu::solid::Ray;
 use crate::cpu::world::World;
 use crate::frame::Frame;
 use crate::lens;
+pub use content::{FoulingTruth, OccluderTruth, PropTruth, StonesTruth};
 use view::EyeView;
 
 /// All that is true of a rendered pair. Vectors are in the rig frame unless they say otherwise.
@@ -42,6 +44,15 @@ pub struct Truth {
     pub rig: RigFile,
     /// Every rod.
     pub rods: Vec<RodTruth>,
+    /// Simple bodies that stand in the way.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub occluders: Vec<OccluderTruth>,
+    /// Meshes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub props: Vec<PropTruth>,
+    /// Stones on the seabed; null without.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stones: Option<StonesTruth>,
     /// What is to be grasped.
     pub grasp: GraspTruth,
 }
@@ -89,6 +100,9 @@ pub struct RodTruth {
     pub ends_m: [[f64; 3]; 2],
     /// Height of the arc over its chord, m; zero for a straight rod.
     pub sagitta_m: f64,
+    /// What grows on it; null on a clean rod.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fouling: Option<FoulingTruth>,
     /// Angle between the axis and the baseline, rad, in [0, π/2].
     pub angle_to_baseline_rad: f64,
     /// What the left eye sees of it.
@@ -175,6 +189,9 @@ impl Truth {
                 .enumerate()
                 .map(|(index, rod)| rod_truth(&world, index, rod, frame, &light, gain))
                 .collect(),
+            occluders: content::occluders(scene),
+            props: content::props(scene),
+            stones: content::stones(&world),
             grasp: grasp_truth(scene)?,
         })
     }
@@ -240,11 +257,12 @@ fn rod_truth(
     };
     RodTruth {
         id: rod.id.clone(),
-        instance: index as u16 + 2,
+        instance: world.scene.rod_instance(index),
         axis: axis.into(),
         radius_m: rod.radius_m,
         ends_m: [-0.5, 0.5].map(|side| arc.at(side * rod.length_m).point_m.into()),
         sagitta_m: rod.bend.map_or(0.0, |bend| bend.sagitta_m),
+        fouling: content::fouling(world, index),
         angle_to_baseline_rad: axis.angle_to(&baseline),
         left: eye_truth(Eye::Left),
         right: eye_truth(Eye::Right),

@@ -10,6 +10,9 @@ use crate::{Bend, Material, Rod, SceneError};
 /// The most an axis may be bent, sagitta over length: a half circle is at 0.318.
 const MAX_BEND: f64 = 0.3;
 
+/// With their tree they take a hundred megabytes.
+const MOST_LUMPS: f64 = 300_000.0;
+
 const GIVEN_BY: &str = "from_m and to_m, or centre_m, direction and length_m";
 
 /// Middle, direction there, length, bend.
@@ -55,6 +58,16 @@ impl RodEntry {
                 radius_m,
                 &format!("less than the radius of the bend ({arc_m:.4})"),
                 |v| v < arc_m,
+            )?;
+        }
+        if let Some(fouling) = rod.fouling {
+            let lumps = fouling.lumps(&rod);
+            let expected = format!("lumps so large that at most {MOST_LUMPS} cover the rod");
+            no.number(
+                &sub("surface.fouling.height_m"),
+                fouling.height_m,
+                &expected,
+                |_| lumps <= MOST_LUMPS,
             )?;
         }
         Ok(rod)

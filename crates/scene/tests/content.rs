@@ -105,6 +105,7 @@ roughness = 0.3 ~ roughness = 0.01 ~ rod[0].surface.gloss.roughness ~ between 0.
 reflectance = [0.004 ~ reflectance = [2 ~ rod[0].surface.gloss.reflectance[0] ~ between 0 and 1 ~ 2
 cover = 0.2 ~ cover = 1 ~ rod[0].surface.fouling.cover ~ at most 0.95 ~ 1
 height_m = 0.012 ~ height_m = -1 ~ rod[0].surface.fouling.height_m ~ > 0 ~ -1
+height_m = 0.012 ~ height_m = 1e-4 ~ rod[0].surface.fouling.height_m ~ at most 300000 ~ 0.0001
 gloss = ~ glos = ~ rod[0].surface.glos ~ did you mean `gloss` ~ glos
 sphere = { centre_m = [1.5, 0.2, -1], radius_m = 0.1 } ~  ~ occluder[0] ~ exactly one of sphere, capsule, block ~ none
 radius_m = 0.1 } ~ radius_m = 0 } ~ occluder[0].sphere.radius_m ~ > 0 ~ 0

@@ -47,6 +47,20 @@ impl Arc {
         self.towards * tangent.dot(&self.direction) - self.direction * tangent.dot(&self.towards)
     }
 
+    /// Two unit vectors across the tangent at arc length s, right-handed with it: to the arc's centre first, and for a straight rod
+    /// as near to a fixed axis as may be.
+    pub(crate) fn across(&self, s_m: f64) -> [Vec3; 2] {
+        let tangent = self.at(s_m).direction;
+        let side = if self.curvature_per_m == 0.0 {
+            let mut flattest = Vec3::zeros();
+            flattest[self.direction.iamin()] = 1.0;
+            self.direction.cross(&flattest).normalize()
+        } else {
+            self.direction.cross(&self.towards)
+        };
+        [side.cross(&tangent), side]
+    }
+
     /// Arc length of the point of the curve nearest to `point_m`.
     pub(crate) fn parameter_of(&self, point_m: &Vec3) -> f64 {
         let w = point_m - self.centre_m;

@@ -1,7 +1,7 @@
 //! Light: lamps, their cones and shadows, surfaces, and the light scattered back by the water.
 
 use rodsight_geometry::Vec3;
-use rodsight_optics::{Airlight, Bands, transmittance};
+use rodsight_optics::{Airlight, Bands, Cosines, transmittance};
 use rodsight_scene::{Lamp, Material, Mode};
 
 use super::shadow::{MIN_STRETCH_M, Shadows};
@@ -55,10 +55,23 @@ pub(super) struct Surface {
     pub(super) lit_by: u32,
 }
 
+/// The cosines of a coat's reflection; `light` and the ray look at the surface.
+fn cosines(normal: &Vec3, light: &Vec3, ray: &Ray) -> Cosines {
+    let half = -(light + ray.direction).normalize();
+    Cosines {
+        light: -normal.dot(light),
+        eye: (-normal.dot(&ray.direction)).max(1e-4),
+        half: normal.dot(&half).clamp(0.0, 1.0),
+        ray_half: (-half.dot(&ray.direction)).clamp(0.0, 1.0),
+    }
+}
+
 impl World<'_> {
-    /// Lambert: L = Σ ρ/π · I cos θ / r² · e^(−K r) + ρ `L_ambient` (K is c but in mode `full`); a flat surface sends its own radiance.
+    /// Lambert, coated or not: L = Σ ρ/π · I cos θ / r² · e^(−K r) + ρ `L_ambient` (K is c but in mode `full`); a flat surface sends its
+    /// own radiance.
     pub(super) fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
-        let albedo = match self.material(ray, hit) {
+        let look = self.look(ray, hit);
+        let albedo = match look.material {
             Material::Flat(radiance) => {
                 return Surface {
                     wet: radiance,
@@ -84,13 +97,18 @@ impl World<'_> {
             let direction = to_point / r;
             let cos = -hit.normal.dot(&direction);
             let beam = cone(light, &direction);
-            if cos <= 0.0 || beam == 0.0 || self.is_blocked(&light.lamp.position_m, &direction, r) {
+            let lit = cos > 0.0 && hit.face_normal.dot(&direction) < 0.0;
+            if !lit || beam == 0.0 || self.is_blocked(&light.lamp.position_m, &direction, r) {
                 continue;
             }
             surface.lit_by |= 1 << (index % 32);
+            let reflection = match &look.coat {
+                Some(coat) => coat.reflection(&albedo, &cosines(&hit.normal, &direction, ray)),
+                None => albedo,
+            };
             let falloff = transmittance(&self.lamp_attenuation_per_m, r);
             for k in 0..3 {
-                let dry = albedo[k] * light.lamp.radiant_intensity_w_per_sr[k] * beam * cos
+                let dry = reflection[k] * light.lamp.radiant_intensity_w_per_sr[k] * beam * cos
                     / (core::f64::consts::PI * r * r);
                 surface.dry[k] += dry;
                 surface.wet[k] += dry * falloff[k];
@@ -105,7 +123,7 @@ impl World<'_> {
             direction: *direction,
         };
         let reach = distance_m * (1.0 - SHADOW_GAP) - SHADOW_GAP;
-        self.rods.block(&ray, reach)
+        self.blocks(&ray, reach)
     }
 
     /// Whether lamps light the water.

@@ -1,7 +1,9 @@
 //! The sea floor: a plane with a band-limited procedural albedo.
 
+use core::f64::consts::TAU;
+
 use rodsight_geometry::Vec3;
-use rodsight_scene::Seabed;
+use rodsight_scene::{Ripples, Seabed};
 
 use super::solid::Ray;
 use crate::lattice::pcg;
@@ -10,6 +12,36 @@ use crate::lattice::pcg;
 pub(super) fn hit(seabed: &Seabed, ray: &Ray) -> Option<f64> {
     let t = (seabed.z_m - ray.origin_m.z) / ray.direction.z;
     (t > 0.0 && t.is_finite()).then_some(t)
+}
+
+/// The normal of rippled sand: crests wander by 0.8 rad of their phase over five wavelengths. Ripples finer than two samples are
+/// left out.
+pub(super) fn rippled_normal(ripples: &Ripples, ray: &Ray, t_m: f64, footprint_m: f64) -> Vec3 {
+    const WANDER_RAD: f64 = 0.8;
+    let fade = (ripples.wavelength_m / (2.0 * footprint_m) - 1.0).clamp(0.0, 1.0);
+    let point_m = ray.at(t_m);
+    let (sin, cos) = libm::sincos(ripples.heading_rad);
+    let wavenumber = TAU / ripples.wavelength_m;
+    let (u, v) = (
+        point_m.x * cos + point_m.y * sin,
+        point_m.y * cos - point_m.x * sin,
+    );
+    // Height ½ h cos(k u + w sin(k v / 5)), upwards.
+    let (bend_sin, bend_cos) = libm::sincos(0.2 * wavenumber * v);
+    let steepness = -0.5
+        * ripples.height_m
+        * wavenumber
+        * fade
+        * libm::sin(wavenumber * u + WANDER_RAD * bend_sin);
+    let (along_u, along_v) = (steepness, steepness * 0.2 * WANDER_RAD * bend_cos);
+    let slope = [along_u * cos - along_v * sin, along_u * sin + along_v * cos];
+    let normal = Vec3::new(-slope[0], -slope[1], -1.0).normalize();
+    // What looks along the floor sees no slopes that face away.
+    if normal.dot(&ray.direction) < 0.0 {
+        normal
+    } else {
+        -Vec3::z()
+    }
 }
 
 /// Albedo at a point of the floor, seen with samples `footprint_m` apart: octaves of value noise finer than two samples are left

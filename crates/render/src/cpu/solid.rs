@@ -54,7 +54,7 @@ impl Capped {
     }
 
     /// The smallest box around it: a disc of unit normal d and radius r reaches r √(1 − d²) along an axis.
-    pub(super) fn bounds(&self) -> Bounds {
+    pub(crate) fn bounds(&self) -> Bounds {
         let axis = &self.cylinder.axis;
         let reach_m = axis.direction.map(|d| {
             self.half_length_m * d.abs() + self.cylinder.radius_m * (1.0 - d * d).max(0.0).sqrt()

@@ -1,19 +1,23 @@
 //! A scene prepared for ray-casting.
 
 use rodsight_geometry::{Eye, MountedCamera, Pixel, Vec3};
-use rodsight_optics::Bands;
+use rodsight_optics::{Bands, Coat};
 use rodsight_scene::{Material, Mode, Scene};
 
+use super::bodies::Bodies;
+use super::finish;
 use super::light::LampLight;
 use super::rod::Rods;
 use super::seabed;
 use super::solid::{Face, Ray};
+use super::triangles::TriangleHit;
 
 /// A scene with what can be computed once.
 #[derive(Debug)]
 pub(crate) struct World<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) rods: Rods,
+    pub(crate) bodies: Bodies,
     pub(crate) lamps: Vec<LampLight>,
     /// Attenuation of a surface's light on its way to the camera: c, or nothing in mode `air`.
     pub(crate) attenuation_per_m: Bands,
@@ -31,32 +35,56 @@ pub(crate) struct World<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hit {
     pub(crate) t_m: f64,
+    /// As light sees it: ripples and rounded meshes turn it away from the surface's own.
     pub(crate) normal: Vec3,
+    /// Of the surface itself.
+    pub(crate) face_normal: Vec3,
     pub(crate) thing: Thing,
     pub(crate) face: Face,
+    /// Different where two smooth surfaces of one thing meet in a crease.
+    pub(crate) part: u32,
+    detail: Detail,
 }
 
-/// Seabed or a rod.
+/// Where on a thing of many pieces.
+#[derive(Clone, Copy, Debug)]
+enum Detail {
+    None,
+    Solid(usize),
+    Triangle(TriangleHit),
+}
+
+/// Something with a number in the instance channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Thing {
     Seabed,
     Rod(usize),
+    Occluder(usize),
+    Prop(usize),
+    /// What grows on a rod.
+    Growth(usize),
+    Stones,
 }
 
 impl Thing {
-    pub(crate) fn instance(self) -> u16 {
-        match self {
-            Self::Seabed => 1,
-            Self::Rod(index) => index as u16 + 2,
-        }
-    }
-
     pub(crate) fn material(self) -> u16 {
         match self {
             Self::Seabed => 1,
             Self::Rod(_) => 2,
+            Self::Occluder(_) => 3,
+            Self::Prop(_) => 4,
+            Self::Growth(_) => 5,
+            Self::Stones => 6,
         }
     }
+}
+
+/// What a surface does with light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look {
+    pub(super) material: Material,
+    /// Over the matt surface.
+    pub(super) coat: Option<Coat>,
 }
 
 impl<'a> World<'a> {
@@ -93,6 +121,7 @@ impl<'a> World<'a> {
         Self {
             scene,
             rods,
+            bodies: Bodies::new(scene),
             lamps,
             attenuation_per_m,
             lamp_attenuation_per_m,
@@ -105,29 +134,88 @@ impl<'a> World<'a> {
         }
     }
 
+    /// The number of a thing in the instance channel.
+    pub(crate) fn instance(&self, thing: Thing) -> u16 {
+        match thing {
+            Thing::Seabed => 1,
+            Thing::Rod(index) => self.scene.rod_instance(index),
+            Thing::Occluder(index) => self.scene.occluder_instance(index),
+            Thing::Prop(index) => self.scene.prop_instance(index),
+            Thing::Growth(rod) => self.scene.growth_instance(rod),
+            Thing::Stones => self.scene.stones_instance(),
+        }
+    }
+
     /// The first surface on a ray.
     pub(crate) fn hit(&self, ray: &Ray) -> Option<Hit> {
-        let floor = self
-            .scene
-            .seabed
-            .as_ref()
-            .and_then(|seabed| seabed::hit(seabed, ray));
-        let floor = floor.map(|t_m| Hit {
+        let candidates = [
+            self.floor(ray),
+            self.rods.hit(ray).map(|(index, hit)| Hit {
+                t_m: hit.t_m,
+                normal: hit.normal,
+                face_normal: hit.normal,
+                thing: Thing::Rod(index),
+                face: hit.face,
+                part: 0,
+                detail: Detail::None,
+            }),
+            self.bodies.hit(ray).map(|(index, hit)| {
+                let body = &self.bodies.solids[index];
+                Hit {
+                    t_m: hit.t_m,
+                    normal: hit.normal,
+                    face_normal: hit.normal,
+                    thing: body.thing,
+                    face: Face::Side,
+                    part: body.part,
+                    detail: Detail::Solid(index),
+                }
+            }),
+            self.mesh(ray),
+        ];
+        let nearer = |a: Hit, b: Hit| if b.t_m < a.t_m { b } else { a };
+        candidates.into_iter().flatten().reduce(nearer)
+    }
+
+    fn floor(&self, ray: &Ray) -> Option<Hit> {
+        let seabed = self.scene.seabed.as_ref()?;
+        let t_m = seabed::hit(seabed, ray)?;
+        let face_normal = Vec3::new(0.0, 0.0, -ray.direction.z.signum());
+        let normal = match &seabed.ripples {
+            Some(ripples) if face_normal.z < 0.0 => {
+                seabed::rippled_normal(ripples, ray, t_m, self.along_floor_m(ray, t_m))
+            }
+            _ => face_normal,
+        };
+        Some(Hit {
             t_m,
-            normal: Vec3::new(0.0, 0.0, -ray.direction.z.signum()),
+            normal,
+            face_normal,
             thing: Thing::Seabed,
             face: Face::Side,
-        });
-        let rod = self.rods.hit(ray).map(|(index, hit)| Hit {
+            part: 0,
+            detail: Detail::None,
+        })
+    }
+
+    fn mesh(&self, ray: &Ray) -> Option<Hit> {
+        let triangles = &self.bodies.triangles;
+        let hit = triangles.hit(ray)?;
+        let (normal, face_normal) = triangles.normals_at(&hit, ray);
+        Some(Hit {
             t_m: hit.t_m,
-            normal: hit.normal,
-            thing: Thing::Rod(index),
-            face: hit.face,
-        });
-        match (floor, rod) {
-            (Some(floor), Some(rod)) => Some(if rod.t_m < floor.t_m { rod } else { floor }),
-            (floor, rod) => floor.or(rod),
-        }
+            normal,
+            face_normal,
+            thing: Thing::Prop(triangles.props[hit.index] as usize),
+            face: Face::Side,
+            part: triangles.patches[hit.index],
+            detail: Detail::Triangle(hit),
+        })
+    }
+
+    /// Whether something stands within the first `length_m` of a ray. The seabed, a plane below all, hides nothing from a lamp.
+    pub(super) fn blocks(&self, ray: &Ray, length_m: f64) -> bool {
+        self.rods.block(ray, length_m) || self.bodies.block(ray, length_m)
     }
 
     /// Whether anything hides a point from another.
@@ -147,21 +235,81 @@ impl<'a> World<'a> {
         self.rods.graze(ray, footprint_rad)
     }
 
-    pub(super) fn material(&self, ray: &Ray, hit: &Hit) -> Material {
-        match hit.thing {
-            Thing::Rod(index) => self.scene.rods[index].material,
-            Thing::Seabed => {
+    /// Distance between samples on the floor, m.
+    fn along_floor_m(&self, ray: &Ray, t_m: f64) -> f64 {
+        t_m * self.footprint_rad / ray.direction.z.abs().max(1e-3)
+    }
+
+    /// What the surface at a hit does with light.
+    pub(super) fn look(&self, ray: &Ray, hit: &Hit) -> Look {
+        let matt = |albedo: Bands| Look {
+            material: Material::Lambert(albedo),
+            coat: None,
+        };
+        match (hit.thing, hit.detail) {
+            (Thing::Rod(index), _) => self.rod_look(index, ray, hit),
+            (_, Detail::Solid(index)) => matt(self.bodies.solids[index].albedo),
+            (_, Detail::Triangle(triangle)) => self.mesh_look(&triangle, ray, hit),
+            _ => {
                 let seabed = self.scene.seabed.as_ref().expect("a ray hit the seabed");
-                let along_floor = hit.t_m * self.footprint_rad / ray.direction.z.abs().max(1e-3);
-                Material::Lambert(seabed::albedo(
+                let along_floor_m = self.along_floor_m(ray, hit.t_m);
+                let point_m = ray.at(hit.t_m);
+                matt(seabed::albedo(
                     seabed,
                     self.scene.seed,
-                    &ray.at(hit.t_m),
-                    along_floor,
+                    &point_m,
+                    along_floor_m,
                 ))
             }
         }
     }
+
+    fn rod_look(&self, index: usize, ray: &Ray, hit: &Hit) -> Look {
+        let rod = &self.scene.rods[index];
+        let mut look = Look {
+            material: rod.material,
+            coat: None,
+        };
+        // Ends are plain.
+        let Material::Lambert(base) = rod.material else {
+            return look;
+        };
+        let footprint_m = hit.t_m * self.footprint_rad;
+        if hit.face == Face::Side {
+            let arc = &self.rods.solids[index].arc;
+            let seed_word = finish::seed_word(self.scene.seed, index);
+            let at = (ray, hit.t_m, &hit.normal);
+            let albedo = finish::albedo((rod, arc), &base, seed_word, at, footprint_m);
+            look.material = Material::Lambert(albedo);
+        }
+        look.coat = rod.finish.gloss.map(|gloss| {
+            let curvature_per_m = if hit.face == Face::Side {
+                1.0 / rod.radius_m
+            } else {
+                0.0
+            };
+            let turn_rad = curvature_per_m * footprint_m / grazing(ray, hit);
+            Coat::new(gloss.roughness, gloss.reflectance, turn_rad)
+        });
+        look
+    }
+
+    fn mesh_look(&self, triangle: &TriangleHit, ray: &Ray, hit: &Hit) -> Look {
+        let triangles = &self.bodies.triangles;
+        let footprint_m = hit.t_m * self.footprint_rad / grazing(ray, hit);
+        let paint = triangles.paint(triangle);
+        let (albedo, reflectance) = paint.split(triangles.base(triangle, footprint_m));
+        let turn_rad = triangles.curvature_per_m(triangle.index) * footprint_m;
+        Look {
+            material: Material::Lambert(albedo),
+            coat: Some(Coat::new(paint.roughness.max(0.05), reflectance, turn_rad)),
+        }
+    }
+}
+
+/// Cosine between the surface and what looks at it, kept away from zero.
+fn grazing(ray: &Ray, hit: &Hit) -> f64 {
+    hit.face_normal.dot(&ray.direction).abs().max(1e-3)
 }
 
 /// Rays nearer than this to a limb take all samples: half a diagonal of the pixel, and as much again, as shading is steepest beside

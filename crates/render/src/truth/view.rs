@@ -51,7 +51,7 @@ impl EyeView<'_> {
                 axis,
             });
         let visible_m = self.visible_stretches(index);
-        let instance = index as u16 + 2;
+        let instance = self.world.scene.rod_instance(index);
         EyeTruth {
             axis_in_camera: Line3 {
                 point_m: camera_from_rig.point(&axis.point_m),
@@ -154,10 +154,13 @@ impl EyeView<'_> {
         // The surface over this point, not another turn of a bent rod, nor a cap that hides all behind it.
         let depth_m = self.rod.radius_m / ray.direction.cross(&axis.direction).norm();
         let foot_m = axis.foot(&origin_m);
+        let grown_m = self.rod.fouling.map_or(0.0, |fouling| fouling.height_m);
         inside
             && (foot_m - origin_m).norm() > self.rod.radius_m
             && self.world.hit(&ray).is_some_and(|hit| {
-                hit.thing == Thing::Rod(index) && distance_m - hit.t_m <= depth_m * 1.01
+                // What grows on a rod does not hide it.
+                let own = [Thing::Rod(index), Thing::Growth(index)].contains(&hit.thing);
+                own && distance_m - hit.t_m <= depth_m * (1.0 + grown_m / self.rod.radius_m) * 1.01
             })
     }
 

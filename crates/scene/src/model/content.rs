@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rodsight_geometry::{Mat3, Pose, RigFrame, Vec3};
 use rodsight_optics::Bands;
 
-use crate::{Mesh, Scene};
+use crate::{Mesh, Rod, Scene};
 
 /// What makes a rod's surface other than evenly matt.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,6 +58,17 @@ pub struct Fouling {
     pub height_m: f64,
     /// Albedo of the lumps.
     pub albedo: Bands,
+}
+
+impl Fouling {
+    /// How many lumps cover, by chance, the share asked for: n discs of mean area a on a surface A leave e^(−n a/A) of it bare.
+    /// Heights are even in [¼, 1] of the highest, radii even in [1, 2½] of the height.
+    pub fn lumps(&self, rod: &Rod) -> f64 {
+        let height2_m2 = self.height_m * self.height_m * (1.0 + 0.25 + 0.0625) / 3.0;
+        let radius2_m2 = height2_m2 * (1.0 + 2.5 + 6.25) / 3.0;
+        // A/a, with π in both.
+        -libm::log1p(-self.cover) * 2.0 * rod.radius_m * rod.length_m / radius2_m2
+    }
 }
 
 /// A body that stands in the way.
