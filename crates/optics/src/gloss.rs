@@ -109,8 +109,9 @@ mod tests {
                 }
             }
         }
-        // The bound is nearly reached, by mirrors, and light is lost in single bounces between rough facets only.
-        assert!(most > 0.99 && least > 0.4, "{least} to {most}");
+        // The bound is nearly reached, by mirrors. Light is lost in single bounces between rough facets, and most of all by a rough
+        // coat seen at 3°, through which (1 − 0.05)⁵ of it does not come.
+        assert!(most > 0.99 && least > 0.22, "{least} to {most}");
     }
 
     /// The narrow lobe of a perfect reflector sends back all light, and a coat that reflects nothing upright leaves the albedo.

@@ -360,7 +360,7 @@ fn ripples_turn_normals_and_not_the_floor() {
         heading_rad: 0.4,
     });
     let rippled = left(&scene);
-    let (mut changed, mut ratio) = (0, 0.0);
+    let (mut changed, mut ratio) = (0_usize, 0.0);
     for (a, b) in flat
         .pixels
         .iter()
@@ -373,11 +373,11 @@ fn ripples_turn_normals_and_not_the_floor() {
         // Slope at most π h / λ = 0.314, a little more where crests wander.
         let cos: f32 = (0..3).map(|k| a.normal[k] * b.normal[k]).sum();
         assert!(cos > 1.0 / (1.0_f32 + 0.33 * 0.33).sqrt(), "{cos}");
-        changed += u32::from(cos < 0.999);
+        changed += usize::from(cos < 0.999);
         ratio += f64::from(b.clean[0] / a.clean[0]);
     }
-    assert!(changed > 1000, "{changed}");
     let near = flat.pixels.iter().filter(|p| p.depth_m < 3.0).count();
+    assert!(near > 300 && 2 * changed > near, "{changed} of {near}");
     // Slopes to and fro cancel in the mean.
     assert!(
         (ratio / near as f64 - 1.0).abs() < 0.05,
@@ -404,6 +404,11 @@ fn written_scene_with_props_renders_to_the_same_bytes() {
         ..Finish::default()
     };
     scene.mode = Mode::Single;
+    scene.rods[1].id = "other".to_owned();
+    // All around is more than a file may say.
+    for lamp in &mut scene.lamps {
+        (lamp.inner_half_angle_rad, lamp.outer_half_angle_rad) = (3.0, 3.1);
+    }
     let frame = both(&scene);
     let developed = develop(&frame, &scene).unwrap();
     let truth = Truth::of(&scene, &frame, developed.gain).unwrap();
