@@ -29,6 +29,9 @@ pub enum MediumError {
 }
 
 impl Medium {
+    /// Optical depth c z up to which surfaces are within 10 % of Monte Carlo (`docs/physics.md`, V7); beyond, too bright.
+    pub const OPTICAL_DEPTH_LIMIT: f64 = 2.5;
+
     /// A medium from its coefficients.
     ///
     /// # Errors
@@ -112,6 +115,18 @@ impl Medium {
     /// K = a + b(1 − ⟨cos θ⟩): the loss of a lamp's light when what is scattered forwards still arrives.
     pub fn transport_attenuation_per_m(&self) -> Bands {
         self.attenuation_per_m(1.0 - self.mean_cosine)
+    }
+
+    /// Whether so much water is more than mode `full` is good for: c z above [`OPTICAL_DEPTH_LIMIT`](Self::OPTICAL_DEPTH_LIMIT) in any
+    /// band that scatters. Absorption alone has no limit.
+    pub fn is_beyond_model(&self, range_m: f64) -> bool {
+        let bands = self
+            .scattering_per_m
+            .iter()
+            .zip(self.beam_attenuation_per_m());
+        bands
+            .into_iter()
+            .any(|(&b, c)| b > 0.0 && c * range_m > Self::OPTICAL_DEPTH_LIMIT)
     }
 
     fn attenuation_per_m(&self, lost_share: f64) -> Bands {

@@ -77,13 +77,16 @@ impl CpuRenderer {
             let part = move |done| progress(from + done * share);
             Caster::new(&world, eye, band).render(&part)
         };
-        if !scene.rig.eye(eye).disperses() {
-            return Ok(cast(Band::Green, 0.0, 1.0));
-        }
-        let third = 1.0 / 3.0;
-        let mut frame = cast(Band::Green, 0.0, third);
-        frame.take_light(&cast(Band::Red, third, third), Band::Red);
-        frame.take_light(&cast(Band::Blue, 2.0 * third, third), Band::Blue);
+        let mut frame = if scene.rig.eye(eye).disperses() {
+            let third = 1.0 / 3.0;
+            let mut frame = cast(Band::Green, 0.0, third);
+            frame.take_light(&cast(Band::Red, third, third), Band::Red);
+            frame.take_light(&cast(Band::Blue, 2.0 * third, third), Band::Blue);
+            frame
+        } else {
+            cast(Band::Green, 0.0, 1.0)
+        };
+        frame.mark_beyond_model(scene);
         Ok(frame)
     }
 }

@@ -58,6 +58,7 @@ pub(crate) fn write_exr(path: &Path, frame: &EyeFrame) -> Result<(), RenderError
         whole("instance", |p| u32::from(p.instance)),
         whole("material", |p| u32::from(p.material)),
         whole("occluded", |p| u32::from(p.occluded)),
+        whole("beyond_model", |p| u32::from(p.beyond_model)),
     ];
     // One pass over the pixels for all channels: they are a hundred bytes each.
     let names = SCALARS.iter().map(|(name, _)| (*name).to_owned());
@@ -138,6 +139,7 @@ pub fn read_exr(path: &Path) -> Result<EyeFrame, RenderError> {
     fill("instance", &|p, v| p.instance = v as u16)?;
     fill("material", &|p, v| p.material = v as u16)?;
     fill("occluded", &|p, v| p.occluded = v != 0.0)?;
+    fill("beyond_model", &|p, v| p.beyond_model = v != 0.0)?;
     for (name, field) in SCALARS {
         fill(name, &|p, v| *field(p) = v)?;
     }

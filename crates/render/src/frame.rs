@@ -1,6 +1,7 @@
 //! What a renderer returns.
 
 use rodsight_geometry::{Band, Eye};
+use rodsight_scene::{Mode, Scene};
 
 /// Both eyes of one scene, before the sensor.
 #[derive(Clone, Debug)]
@@ -40,6 +41,23 @@ impl EyeFrame {
     /// The pixel in a column and row.
     pub fn at(&self, column: u32, row: u32) -> &PixelTruth {
         &self.pixels[row as usize * self.width_px as usize + column as usize]
+    }
+
+    /// Share of the pixels that are beyond the model.
+    pub fn beyond_model_share(&self) -> f64 {
+        let beyond = self.pixels.iter().filter(|pixel| pixel.beyond_model);
+        beyond.count() as f64 / self.pixels.len() as f64
+    }
+
+    /// Flags what is beyond the model, by its range.
+    pub(crate) fn mark_beyond_model(&mut self, scene: &Scene) {
+        if scene.mode != Mode::Full {
+            return;
+        }
+        for pixel in &mut self.pixels {
+            let range_m = f64::from(pixel.range_m);
+            pixel.beyond_model = range_m.is_finite() && scene.medium.is_beyond_model(range_m);
+        }
     }
 
     /// Takes the light of one band from a frame of the same size.
@@ -87,6 +105,8 @@ pub struct PixelTruth {
     pub material: u16,
     /// The other eye does not see this surface point: hidden or outside its image.
     pub occluded: bool,
+    /// In mode `full`: there is a surface, and more water before it than the model is good for, c z > 2.5 in some band.
+    pub beyond_model: bool,
 }
 
 impl PixelTruth {
@@ -105,5 +125,6 @@ impl PixelTruth {
         instance: 0,
         material: 0,
         occluded: false,
+        beyond_model: false,
     };
 }

@@ -247,7 +247,9 @@ impl Renderer for GpuRenderer {
         for eye in Eye::BOTH {
             RenderError::refuse_too_large(scene, eye)?;
         }
-        let [left, right] = self.device.watched(|| self.render_pair(scene, progress))?;
+        let [mut left, mut right] = self.device.watched(|| self.render_pair(scene, progress))?;
+        left.mark_beyond_model(scene);
+        right.mark_beyond_model(scene);
         Ok(Frame {
             left,
             right,

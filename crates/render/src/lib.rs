@@ -35,7 +35,9 @@ pub use lattice::edge_offsets;
 pub use noise::Philox;
 pub use pair::{PairPaths, write_pair};
 pub use srgb::{srgb_decode, srgb_encode};
-pub use truth::{ConeTruth, EyeTruth, GraspTruth, LineTruth, RodTruth, Truth, WaterTruth};
+pub use truth::{
+    BeyondModelTruth, ConeTruth, EyeTruth, GraspTruth, LineTruth, RodTruth, Truth, WaterTruth,
+};
 pub use truth::{FoulingTruth, OccluderTruth, PropTruth, StonesTruth};
 pub use whole_file::{discard_unfinished, write_whole};
 

@@ -91,6 +91,7 @@ fn channels_of_the_exr_are_these() {
             "backscatter.B F32",
             "backscatter.G F32",
             "backscatter.R F32",
+            "beyond_model U32",
             "clean.B F32",
             "clean.G F32",
             "clean.R F32",

@@ -11,7 +11,7 @@ mod common;
 
 use rodsight_geometry::{Eye, Vec3};
 use rodsight_optics::{Medium, Phase, Wells, water};
-use rodsight_render::{CpuRenderer, EyeFrame};
+use rodsight_render::{CpuRenderer, EyeFrame, Renderer, Truth};
 use rodsight_scene::{Material, Mode, Rod, Scene};
 
 fn render(scene: &Scene) -> EyeFrame {
@@ -248,4 +248,34 @@ fn halo_does_not_know_where_the_image_ends() {
     }
     // One ray outside for 4×4 px.
     assert!(worst < 0.02, "{worst}");
+}
+
+/// In 1C, c = 0.664 m⁻¹ at 600 nm: what lies farther than 2.5 / 0.664 m is flagged, water without a surface is not.
+#[test]
+fn what_is_beyond_the_model_is_flagged_in_mode_full_only() {
+    let mut scene = lit("1C", 16);
+    let limit_m = 2.5 / (0.248 + 0.416);
+    let frame = CpuRenderer.render(&scene, &|_| ()).unwrap();
+    let mut seen = [0; 3];
+    for pixel in frame.left.pixels.iter().chain(&frame.right.pixels) {
+        let range_m = f64::from(pixel.range_m);
+        let far = range_m.is_finite() && range_m > limit_m;
+        assert_eq!(pixel.beyond_model, far, "{range_m} m");
+        seen[usize::from(far) + usize::from(range_m.is_infinite()) * 2] += 1;
+    }
+    assert!(seen.iter().all(|&count| count > 500), "{seen:?}");
+    let truth = Truth::of(&scene, &frame, 1.0).unwrap();
+    let shares = truth.beyond_model.unwrap();
+    let whole = (shares.left_share + shares.right_share) * frame.left.pixels.len() as f64;
+    assert!((whole - f64::from(seen[1])).abs() < 1e-6, "{whole}");
+
+    scene.mode = Mode::Single;
+    let frame = CpuRenderer.render(&scene, &|_| ()).unwrap();
+    assert!(frame.left.pixels.iter().all(|pixel| !pixel.beyond_model));
+    assert!(
+        Truth::of(&scene, &frame, 1.0)
+            .unwrap()
+            .beyond_model
+            .is_none()
+    );
 }

@@ -76,9 +76,20 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let folder = args.output.display();
     let names = files.iter().filter_map(|path| path.file_name()?.to_str());
     let names: Vec<&str> = names.collect();
+    let warning = rendered
+        .truth
+        .beyond_model
+        .as_ref()
+        .map_or(String::new(), |beyond| {
+            let [left, right] = [beyond.left_share, beyond.right_share].map(|share| 100.0 * share);
+            format!(
+                "beyond the model: {left:.1} % of left, {right:.1} % of right: {}\n",
+                beyond.meaning
+            )
+        });
     print_text(&format!(
         "{} rendered by the {} backend on {} ({}) in {:.1} s, written in {:.1} s\n\
-         {folder}: {}\n\
+         {folder}: {}\n{}\
          next: rodsight solve --left {} --right {} --rig {folder}/rig.toml --pick {u_px:.1},{v_px:.1},{}\n",
         scene.id,
         rendered.frame.backend,
@@ -87,6 +98,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         rendered.timing_ms.render / 1e3,
         rendered.timing_ms.write / 1e3,
         names.join(" "),
+        warning,
         paths.left_image.display(),
         paths.right_image.display(),
         rendered.truth.grasp.pick_eye.name(),

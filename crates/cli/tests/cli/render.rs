@@ -238,3 +238,18 @@ fn render_without_an_adapter_is_code_4_and_auto_takes_the_cpu() {
     assert_eq!(summary["backend"], "cpu");
     assert_eq!(summary["backend_reason"], "no graphics card found");
 }
+
+#[test]
+fn render_says_how_much_is_beyond_the_model() {
+    let folder = folder();
+    for (mode, says) in [("full", true), ("single", false)] {
+        let harbour = SMALL
+            .replace("mode = \"single\"", &format!("mode = \"{mode}\""))
+            .replace("name = \"IB\"", "name = \"5C\"");
+        let scene = folder.path().join("harbour.toml");
+        std::fs::write(&scene, harbour).unwrap();
+        let output = folder.path().join(mode);
+        let run = rodsight(&["render", text(&scene), "-o", text(&output)]);
+        assert_eq!(run.done().contains("beyond the model: "), says, "{run:?}");
+    }
+}

@@ -155,7 +155,7 @@ pub fn orange_rod(centre_m: Vec3, direction: Vec3, radius_m: f64) -> Rod {
 }
 
 /// Every number of a pixel.
-pub fn numbers(p: &rodsight_render::PixelTruth) -> [f32; 27] {
+pub fn numbers(p: &rodsight_render::PixelTruth) -> [f32; 28] {
     let triples = [
         p.radiance,
         p.direct,
@@ -165,7 +165,7 @@ pub fn numbers(p: &rodsight_render::PixelTruth) -> [f32; 27] {
         p.transmission,
         p.normal,
     ];
-    let mut all = [0.0; 27];
+    let mut all = [0.0; 28];
     for (three, values) in all.chunks_exact_mut(3).zip(triples) {
         three.copy_from_slice(&values);
     }
@@ -176,6 +176,7 @@ pub fn numbers(p: &rodsight_render::PixelTruth) -> [f32; 27] {
         f32::from(p.instance),
         f32::from(p.material),
         f32::from(u8::from(p.occluded)),
+        f32::from(u8::from(p.beyond_model)),
     ]);
     all
 }
