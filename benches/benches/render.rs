@@ -10,15 +10,16 @@
 
 use std::hint::black_box;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::measurement::WallTime;
 use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
 };
-use rodsight_geometry::{Camera, Eye, Intrinsics, Vec3};
+use rodsight_geometry::{Camera, Eye, Intrinsics, Mat3, Pose, Vec3};
 use rodsight_render::{AdapterChoice, CpuRenderer, GpuRenderer, RenderError, Renderer, develop};
-use rodsight_scene::{Mode, Scene, Sensor};
+use rodsight_scene::{Mesh, MeshMaterial, MeshPart, Mode, Prop, Scene, Sensor};
 
 const MODES: [(&str, Mode); 4] = [
     ("air", Mode::Air),
@@ -143,6 +144,50 @@ fn with_lamps(mut scene: Scene, count: usize) -> Scene {
     scene
 }
 
+/// A wavy wall behind the cable, of about so many triangles.
+fn with_triangles(mut scene: Scene, count: usize) -> Scene {
+    let side = ((count / 2) as f64).sqrt().round() as u32;
+    let vertex = |i: u32, j: u32| {
+        let [y, z] = [i, j].map(|k| 4.0 * f64::from(k) / f64::from(side) - 2.0);
+        let (slope_y, slope_z) = (0.6 * libm::cos(6.0 * y), 0.6 * libm::cos(6.0 * z));
+        let x = 0.1 * (libm::sin(6.0 * y) + libm::sin(6.0 * z));
+        let normal = Vec3::new(-1.0, slope_y, slope_z).normalize();
+        [[x, y, z], [normal.x, normal.y, normal.z]].map(|v| v.map(|v| v as f32))
+    };
+    let vertices = (0..=side).flat_map(|j| (0..=side).map(move |i| vertex(i, j)));
+    let (positions_m, normals) = vertices.map(|[at, normal]| (at, normal)).unzip();
+    let row = side + 1;
+    let cells = (0..side).flat_map(|j| (0..side).map(move |i| j * row + i));
+    let part = MeshPart {
+        positions_m,
+        normals,
+        uvs: Vec::new(),
+        triangles: cells
+            .flat_map(|a| [[a, a + row, a + 1], [a + 1, a + row, a + row + 1]])
+            .collect(),
+        material: 0,
+    };
+    let material = MeshMaterial {
+        name: "wall".to_owned(),
+        base: [0.4; 3],
+        metallic: 0.0,
+        roughness: 0.8,
+        texture: None,
+    };
+    let mesh = Mesh {
+        parts: vec![part],
+        materials: vec![material],
+        ..Mesh::default()
+    };
+    scene.props.push(Prop {
+        id: "wall".to_owned(),
+        mesh: Arc::new(mesh),
+        rig_from_prop: Pose::new(Mat3::identity(), Vec3::new(3.5, 0.0, -1.0)),
+        scale: 1.0,
+    });
+    scene
+}
+
 fn contents(criterion: &mut Criterion) {
     let backends = backends();
     let mut scene = founding_scene();
@@ -155,6 +200,11 @@ fn contents(criterion: &mut Criterion) {
             with_rods as fn(Scene, usize) -> Scene,
         ),
         ("lamps", [1, 2, 4, 8], with_lamps),
+        (
+            "triangles",
+            [1000, 10_000, 100_000, 1_000_000],
+            with_triangles,
+        ),
     ] {
         let mut group = slow(criterion, &format!("render pair 640x512 by {name}"));
         for count in counts {

@@ -36,12 +36,9 @@ pub(super) fn rippled_normal(ripples: &Ripples, ray: &Ray, t_m: f64, footprint_m
     let (along_u, along_v) = (steepness, steepness * 0.2 * WANDER_RAD * bend_cos);
     let slope = [along_u * cos - along_v * sin, along_u * sin + along_v * cos];
     let normal = Vec3::new(-slope[0], -slope[1], -1.0).normalize();
-    // What looks along the floor sees no slopes that face away.
-    if normal.dot(&ray.direction) < 0.0 {
-        normal
-    } else {
-        -Vec3::z()
-    }
+    // A slope that faces away would be behind the crest before it, which a plane does not have: it is seen edge-on instead.
+    let away = normal.dot(&ray.direction).max(0.0);
+    (normal - ray.direction * away).normalize()
 }
 
 /// Albedo at a point of the floor, seen with samples `footprint_m` apart: octaves of value noise finer than two samples are left
