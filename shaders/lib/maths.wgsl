@@ -18,3 +18,9 @@ fn maths_atan2(y: f32, x: f32) -> f32 {
     let turn = maths_sincos(near);
     return near + (y * turn.y - x * turn.x) / length(vec2<f32>(x, y));
 }
+
+/// 1 - e^(-x) for x >= 0, by its series where the difference would cancel.
+fn maths_rise(x: vec3<f32>) -> vec3<f32> {
+    let series = x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x / 24.0)));
+    return select(1.0 - exp(-x), series, x < vec3<f32>(0.05));
+}

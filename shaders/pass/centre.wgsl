@@ -18,6 +18,9 @@ fn centre(@builtin(global_invocation_id) id: vec3<u32>) {
     keys[2u * pixels + pixel] = bitcast<u32>(hit.t_m);
     tile_store(0u, pixel, sample.direct);
     tile_store(6u, pixel, sample.clean);
+    if MODE == MODE_FULL {
+        tile_store(9u, pixel, scene_scattered(sample.wet, hit.t_m));
+    }
     tile_store_surface(0u, pixel, sample.transmission);
 
     let point = direction * hit.t_m;

@@ -35,9 +35,12 @@ fn mark(@builtin(global_invocation_id) id: vec3<u32>) {
             is_edge = is_edge || mark_differs(pixel, row * tile.width + column);
         }
     }
+    var place = 0u;
     if is_edge {
-        let place = atomicAdd(&indirect.count, 1u);
-        edges[place] = pixel;
-        atomicMax(&indirect.x, place / 64u + 1u);
+        let before = atomicAdd(&indirect.count, 1u);
+        edges[before] = pixel;
+        atomicMax(&indirect.x, before / 64u + 1u);
+        place = before + 1u;
     }
+    keys[3u * tile.width * tile.rows + pixel] = place;
 }

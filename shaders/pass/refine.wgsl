@@ -11,9 +11,6 @@ struct Indirect {
 
 @group(2) @binding(0) var<storage, read> indirect: Indirect;
 
-/// Things told apart in a pixel; what is beyond the last place shares its mean distance.
-const THINGS: u32 = 8u;
-
 @compute @workgroup_size(64)
 fn refine(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= indirect.count {
@@ -33,6 +30,7 @@ fn refine(@builtin(global_invocation_id) id: vec3<u32>) {
     var things: array<u32, THINGS>;
     var counts: array<f32, THINGS>;
     var ranges: array<f32, THINGS>;
+    var wets: array<vec3<f32>, THINGS>;
     var seen = 0u;
     for (var i = 0u; i < frame.samples; i++) {
         let inside = lattice_place(offsets[i], shift);
@@ -50,17 +48,26 @@ fn refine(@builtin(global_invocation_id) id: vec3<u32>) {
             things[place] = hit.instance;
             counts[place] = 0.0;
             ranges[place] = 0.0;
+            wets[place] = vec3<f32>(0.0);
             seen++;
         }
         counts[place] += 1.0;
         ranges[place] += min(hit.t_m, frame.horizon_m);
+        wets[place] += sample.wet;
     }
     let share = 1.0 / f32(frame.samples);
     let middle = camera_to_rig(frame.eye, camera_ray(EYE_LENS, frame.eye, corner, vec2<f32>(0.5)));
     var scattered = vec3<f32>(0.0);
     for (var place = 0u; place < seen; place++) {
-        let range = select(ranges[place] / counts[place], SOLID_NONE_M, things[place] == NOTHING);
+        let mean = ranges[place] / counts[place];
+        let range = select(mean, SOLID_NONE_M, things[place] == NOTHING);
         scattered += water_backscatter(middle, corner + 0.5, range) * (counts[place] * share);
+        if MODE == MODE_FULL {
+            sources[id.x * THINGS + place] = vec4<f32>(scene_scattered(wets[place] * share, mean), mean);
+        }
+    }
+    if MODE == MODE_FULL && seen < THINGS {
+        sources[id.x * THINGS + seen] = vec4<f32>(0.0, 0.0, 0.0, -1.0);
     }
     tile_store(0u, pixel, direct * share);
     tile_store(3u, pixel, scattered);

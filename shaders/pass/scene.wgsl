@@ -3,6 +3,7 @@
 
 const MODE_AIR: u32 = 0u;
 const MODE_KOSCHMIEDER: u32 = 1u;
+const MODE_FULL: u32 = 3u;
 
 // Compiled in: where all lanes walk through both sides of a branch, those that no frame takes are not free.
 override MODE: u32 = 2u;
@@ -27,8 +28,13 @@ const MIN_STRETCH_M: f32 = 1e-6;
 struct Frame {
     eye: Camera,
     other: Camera,
+    /// c, between surfaces and the camera.
     attenuation_per_m: vec3<f32>,
     horizon_m: f32,
+    /// K, of lamps' light and of what the water scatters back: c but in mode `full`.
+    lamp_attenuation_per_m: vec3<f32>,
+    /// Of ambient light that is scattered into a ray: b, or b(1 - <cos>) in mode `full`.
+    veil_scattering_per_m: vec3<f32>,
     scattering_per_m: vec3<f32>,
     graze_rad: f32,
     ambient_radiance: vec3<f32>,
@@ -62,6 +68,8 @@ struct Frame {
     grid_scale: vec2<f32>,
     /// Lobes of the phase function; those that it has not have no amplitude.
     lobes: array<vec4<f32>, 4>,
+    /// Of c, what the halo gives back.
+    regained_per_m: vec3<f32>,
     /// 1 for the left eye, -1 for the right one: disparity is left minus right.
     disparity_sign: f32,
 }
@@ -199,7 +207,7 @@ struct Surface {
     lit_by: u32,
 }
 
-/// Lambert: L = Σ ρ/π · I cos θ / r² · e^(-c r) + ρ L_ambient; a flat surface sends its own radiance.
+/// Lambert: L = Σ ρ/π · I cos θ / r² · e^(-K r) + ρ L_ambient; a flat surface sends its own radiance.
 fn scene_surface(direction: vec3<f32>, hit: Hit) -> Surface {
     let point = direction * hit.t_m;
     var albedo: vec3<f32>;
@@ -234,7 +242,7 @@ fn scene_surface(direction: vec3<f32>, hit: Hit) -> Surface {
         surface.lit_by |= 1u << (i % 32u);
         let dry = albedo * lamp.radiant_intensity_w_per_sr * (beam * cos / (3.14159265358979 * r2));
         surface.dry += dry;
-        surface.wet += dry * medium_transmittance(frame.attenuation_per_m, r);
+        surface.wet += dry * medium_transmittance(frame.lamp_attenuation_per_m, r);
     }
     return surface;
 }
@@ -242,6 +250,8 @@ fn scene_surface(direction: vec3<f32>, hit: Hit) -> Surface {
 /// What one ray brings from a surface, after its way to the camera.
 struct Sample {
     direct: vec3<f32>,
+    /// Where it leaves the surface.
+    wet: vec3<f32>,
     clean: vec3<f32>,
     transmission: vec3<f32>,
     lit_by: u32,
@@ -250,9 +260,14 @@ struct Sample {
 fn scene_light(direction: vec3<f32>, hit: Hit) -> Sample {
     if hit.instance == NOTHING {
         let background = select(vec3<f32>(0.0), frame.background_radiance, MODE == MODE_AIR);
-        return Sample(background, background, vec3<f32>(0.0), 0u);
+        return Sample(background, vec3<f32>(0.0), background, vec3<f32>(0.0), 0u);
     }
     let surface = scene_surface(direction, hit);
     let transmission = medium_transmittance(frame.attenuation_per_m, hit.t_m);
-    return Sample(surface.wet * transmission, surface.dry, transmission, surface.lit_by);
+    return Sample(surface.wet * transmission, surface.wet, surface.dry, transmission, surface.lit_by);
+}
+
+/// The part of a surface's light that arrives scattered.
+fn scene_scattered(wet: vec3<f32>, range_m: f32) -> vec3<f32> {
+    return wet * halo_total(frame.attenuation_per_m, frame.regained_per_m, range_m);
 }

@@ -20,14 +20,19 @@ const TAG_IN_VIEW: u32 = 0x10000u;
 const TAG_OCCLUDED: u32 = 0x20000u;
 
 @group(1) @binding(0) var<uniform> tile: Tile;
-/// key, lamps, range (bits of f32).
+/// key, lamps, range (bits of f32), place among the edges, counted from 1.
 @group(1) @binding(1) var<storage, read_write> keys: array<u32>;
-/// direct, backscatter, clean: three bands each.
+/// direct, backscatter, clean, and in mode `full` what arrives scattered, before it is spread: three bands each.
 @group(1) @binding(2) var<storage, read_write> light: array<f32>;
 /// transmission (3), normal (3), depth, range, disparity, tag (bits of u32).
 @group(1) @binding(3) var<storage, read_write> surface: array<f32>;
 /// Pixels at edges, in no order.
 @group(1) @binding(4) var<storage, read_write> edges: array<u32>;
+/// In mode `full`: of every pixel at an edge, what arrives scattered of each thing in it, and its range, m; less than 0 ends them.
+@group(1) @binding(5) var<storage, read_write> sources: array<vec4<f32>>;
+
+/// Things told apart in a pixel at an edge; what is beyond the last place shares its mean distance.
+const THINGS: u32 = 8u;
 
 fn tile_store(first: u32, pixel: u32, value: vec3<f32>) {
     let pixels = tile.width * tile.rows;

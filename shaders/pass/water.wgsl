@@ -26,7 +26,7 @@ fn water_scattered(lamp: Lamp, direction: vec3<f32>, from_m: f32, to_m: f32) -> 
             let r = nodes.distance_to_ray_m / node.y;
             let path = r + nodes.nearest_t_m + r * node.x + from_m;
             let source = light * water_phase_per_sr(airlight_one_minus_cos(node));
-            sum += source * medium_transmittance(frame.attenuation_per_m, path);
+            sum += source * medium_transmittance(frame.lamp_attenuation_per_m, path);
         }
     }
     return frame.scattering_per_m * lamp.radiant_intensity_w_per_sr * sum * nodes.weight_per_m;
@@ -92,10 +92,10 @@ fn water_backscatter(direction: vec3<f32>, pixel: vec2<f32>, distance_m: f32) ->
     if MODE == MODE_AIR {
         return vec3<f32>(0.0);
     }
-    let c = frame.attenuation_per_m;
-    // B∞ (1 - e^(-c z)) with B∞ = b L / c.
-    let share = select(vec3<f32>(0.0), frame.scattering_per_m / max(c, vec3<f32>(1e-30)), c > vec3<f32>(0.0));
-    let veil = share * frame.ambient_radiance * water_veil(c * min(distance_m, 1e30));
+    let k = frame.lamp_attenuation_per_m;
+    // B∞ (1 - e^(-K z)) with B∞ = b L / K.
+    let share = select(vec3<f32>(0.0), frame.veil_scattering_per_m / max(k, vec3<f32>(1e-30)), k > vec3<f32>(0.0));
+    let veil = share * frame.ambient_radiance * maths_rise(k * min(distance_m, 1e30));
     if MODE == MODE_KOSCHMIEDER {
         return veil;
     }
@@ -114,10 +114,4 @@ fn water_backscatter(direction: vec3<f32>, pixel: vec2<f32>, distance_m: f32) ->
     }
     // Where all of it is in the dark, the two sums differ by their quadratures.
     return veil + max(light, vec3<f32>(0.0));
-}
-
-/// 1 - e^(-x), by its series where the difference would cancel.
-fn water_veil(x: vec3<f32>) -> vec3<f32> {
-    let series = x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x / 24.0)));
-    return select(1.0 - exp(-x), series, x < vec3<f32>(0.05));
 }

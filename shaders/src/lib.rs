@@ -55,6 +55,8 @@ pub const AIRLIGHT: Part = part!("lib/airlight.wgsl");
 pub const AIRLIGHT_GRID: Part = part!("lib/airlight_grid.wgsl");
 /// Shadows in the water; needs [`SOLID`].
 pub const SHADOW: Part = part!("lib/shadow.wgsl");
+/// Light scattered forwards; needs [`MATHS`] and [`MEDIUM`].
+pub const HALO: Part = part!("lib/halo.wgsl");
 
 /// Every file of pure functions.
 pub const LIB: &[Part] = &[
@@ -70,11 +72,16 @@ pub const LIB: &[Part] = &[
     AIRLIGHT,
     AIRLIGHT_GRID,
     SHADOW,
+    HALO,
 ];
 
 const SCENE: Part = part!("pass/scene.wgsl");
 const WATER: Part = part!("pass/water.wgsl");
 const TILE: Part = part!("pass/tile.wgsl");
+const HALO_LEVELS: Part = part!("pass/halo.wgsl");
+const HALO_IMAGE: Part = part!("pass/halo_image.wgsl");
+const HALO_BLUR: Part = part!("pass/halo_blur.wgsl");
+const BEYOND: Part = part!("pass/beyond.wgsl");
 
 /// One ray a pixel.
 pub const CENTRE: Pass = Pass {
@@ -89,6 +96,7 @@ pub const CENTRE: Pass = Pass {
         MEDIUM,
         LIGHT,
         SHADOW,
+        HALO,
         SCENE,
         TILE,
         part!("pass/centre.wgsl"),
@@ -111,6 +119,7 @@ pub const BACKSCATTER: Pass = Pass {
         AIRLIGHT,
         AIRLIGHT_GRID,
         SHADOW,
+        HALO,
         SCENE,
         WATER,
         TILE,
@@ -140,6 +149,7 @@ pub const REFINE: Pass = Pass {
         AIRLIGHT,
         AIRLIGHT_GRID,
         SHADOW,
+        HALO,
         SCENE,
         WATER,
         TILE,
@@ -147,8 +157,109 @@ pub const REFINE: Pass = Pass {
     ],
 };
 
+/// The light of a tile's pixels by the widths of the halo.
+pub const WEIGH: Pass = Pass {
+    name: "weigh",
+    parts: &[
+        MATHS,
+        MEDIUM,
+        HALO,
+        TILE,
+        HALO_LEVELS,
+        HALO_IMAGE,
+        part!("pass/weigh.wgsl"),
+    ],
+};
+
+/// The light around the image.
+pub const OVERSCAN: Pass = Pass {
+    name: "overscan",
+    parts: &[
+        MATHS,
+        LATTICE,
+        CAMERA,
+        SOLID,
+        BVH,
+        SEABED,
+        MEDIUM,
+        LIGHT,
+        SHADOW,
+        HALO,
+        SCENE,
+        HALO_LEVELS,
+        HALO_IMAGE,
+        BEYOND,
+        part!("pass/overscan.wgsl"),
+    ],
+};
+
+/// The light beyond that.
+pub const FAR: Pass = Pass {
+    name: "far",
+    parts: &[
+        MATHS,
+        LATTICE,
+        CAMERA,
+        SOLID,
+        BVH,
+        SEABED,
+        MEDIUM,
+        LIGHT,
+        SHADOW,
+        HALO,
+        SCENE,
+        HALO_LEVELS,
+        HALO_IMAGE,
+        BEYOND,
+        part!("pass/far.wgsl"),
+    ],
+};
+
+/// Means over cells.
+pub const GATHER: Pass = Pass {
+    name: "gather",
+    parts: &[
+        MATHS,
+        MEDIUM,
+        HALO,
+        HALO_LEVELS,
+        HALO_IMAGE,
+        part!("pass/gather.wgsl"),
+    ],
+};
+
+/// A Gaussian, along rows.
+pub const BLUR_ROWS: Pass = Pass {
+    name: "blur_rows",
+    parts: &[HALO_LEVELS, HALO_BLUR, part!("pass/blur_rows.wgsl")],
+};
+
+/// A Gaussian, along columns.
+pub const BLUR_COLUMNS: Pass = Pass {
+    name: "blur_columns",
+    parts: &[
+        MATHS,
+        MEDIUM,
+        HALO,
+        HALO_LEVELS,
+        HALO_BLUR,
+        part!("pass/blur_columns.wgsl"),
+    ],
+};
+
 /// Every pass.
-pub const PASSES: &[Pass] = &[CENTRE, BACKSCATTER, MARK, REFINE];
+pub const PASSES: &[Pass] = &[
+    CENTRE,
+    BACKSCATTER,
+    MARK,
+    REFINE,
+    WEIGH,
+    OVERSCAN,
+    FAR,
+    GATHER,
+    BLUR_ROWS,
+    BLUR_COLUMNS,
+];
 
 impl Pass {
     /// The joined text.

@@ -144,7 +144,7 @@ impl Wells {
     }
 
     /// b Σ wᵢ h(2π θᵢ ψ): what small angles give back of the light scattered, m⁻¹.
-    fn regained_per_m(&self, cycles_per_rad: f64) -> f64 {
+    pub fn regained_per_m(&self, cycles_per_rad: f64) -> f64 {
         let share: f64 = self
             .lobes
             .iter()
@@ -200,7 +200,8 @@ pub struct Halo {
 impl Halo {
     /// Widths at most, with that of 0 px; the widest is 2¹⁴ px.
     pub const LEVELS: usize = 16;
-    const KNOTS: usize = 64;
+    /// Ranges of the table of shares.
+    pub const KNOTS: usize = 64;
 
     /// The halo of a medium for a camera of `px_per_rad` at the middle of its image.
     pub fn new(medium: &Medium, px_per_rad: f64) -> Self {
@@ -255,6 +256,11 @@ impl Halo {
     /// Number of widths in use.
     pub fn levels(&self) -> usize {
         self.levels
+    }
+
+    /// The shares at the knots of ranges z = Z (k/(KNOTS − 1))², and Z, m; linear in √z between, constant beyond.
+    pub fn knots(&self) -> (&[[[f32; Self::LEVELS]; 3]], f64) {
+        (&self.shares, self.longest_m)
     }
 
     /// MTF(0, z) − e^(−c z): the part of a surface's light that arrives scattered, per band.

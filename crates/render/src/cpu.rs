@@ -7,11 +7,11 @@ pub(crate) mod airlight_grid;
 pub(crate) mod arc;
 pub(crate) mod bodies;
 mod finish;
-mod halo;
+pub(crate) mod halo;
 pub(crate) mod light;
 pub(crate) mod lump;
-mod overscan;
-mod plane;
+pub(crate) mod overscan;
+pub(crate) mod plane;
 pub(crate) mod rod;
 pub(crate) mod seabed;
 pub(crate) mod shadow;
@@ -199,8 +199,7 @@ impl<'a> Caster<'a> {
             let pairs = pixels.par_iter_mut().zip(spread.pixels());
             pairs.for_each(|(pixel, forward)| {
                 pixel.forward = *forward;
-                let [direct, back] = [pixel.direct, pixel.backscatter];
-                pixel.radiance = core::array::from_fn(|k| direct[k] + forward[k] + back[k]);
+                pixel.sum_radiance();
             });
         }
         EyeFrame {

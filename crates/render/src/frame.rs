@@ -127,4 +127,10 @@ impl PixelTruth {
         occluded: false,
         beyond_model: false,
     };
+
+    /// Makes the radiance that of its parts.
+    pub(crate) fn sum_radiance(&mut self) {
+        let [direct, forward, back] = [self.direct, self.forward, self.backscatter];
+        self.radiance = core::array::from_fn(|k| direct[k] + forward[k] + back[k]);
+    }
 }

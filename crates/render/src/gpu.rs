@@ -4,6 +4,7 @@
 //! is cut into tiles of rows that the adapter's buffers hold; tiles and the order of edges in a tile change no value.
 
 mod device;
+mod halo;
 mod layout;
 mod passes;
 #[cfg(test)]
@@ -23,8 +24,10 @@ use crate::cpu::world::World;
 use crate::frame::{EyeFrame, Frame, PixelTruth};
 use crate::{RenderError, Renderer};
 use device::Gpu;
-use passes::{Passes, Pipelines, STAGES};
+use halo::HaloEye;
+use passes::{Passes, Pipelines};
 use tile::{Tile, TileBuffers};
+use timer::{TIMED, Times};
 use upload::Upload;
 
 /// Pixels of a tile, where the adapter allows it: enough to keep any card busy, and 60 MB of buffers.
@@ -35,6 +38,8 @@ const TILE_PIXELS: u64 = 1 << 19;
 struct SceneBuffers {
     group: wgpu::BindGroup,
     pipelines: Pipelines,
+    /// In mode `full`.
+    halo: Option<HaloEye>,
 }
 
 /// The renderer on a graphics card, or on a software driver for one.
@@ -44,7 +49,7 @@ pub struct GpuRenderer {
     passes: Passes,
     tile_pixels: u64,
     /// Of the last pair, s.
-    times: Mutex<[f64; STAGES.len()]>,
+    times: Mutex<Times>,
 }
 
 impl GpuRenderer {
@@ -72,9 +77,9 @@ impl GpuRenderer {
     }
 
     /// How long each pass of the last pair took on the adapter, s, both eyes together; zeros where the adapter does not tell the time.
-    pub fn stage_times_s(&self) -> [(&'static str, f64); 4] {
+    pub fn stage_times_s(&self) -> [(&'static str, f64); 6] {
         let times = *self.times.lock().unwrap_or_else(PoisonError::into_inner);
-        core::array::from_fn(|stage| (STAGES[stage].name, times[stage]))
+        core::array::from_fn(|stage| (TIMED[stage], times[stage]))
     }
 
     /// The tiles of both eyes, left and right in turn.
@@ -82,7 +87,9 @@ impl GpuRenderer {
         let mut tiles = Vec::new();
         for eye in Eye::BOTH {
             let i = scene.rig.eye(eye).camera.intrinsics();
-            let cut = Tile::cut(&self.device, i.width_px, i.height_px, self.tile_pixels)?;
+            let is_spread = scene.mode == Mode::Full;
+            let size = [i.width_px, i.height_px];
+            let cut = Tile::cut(&self.device, size, self.tile_pixels, is_spread)?;
             tiles.extend(cut.into_iter().enumerate().map(|(i, tile)| (i, eye, tile)));
         }
         // Stable: left before right.
@@ -120,9 +127,15 @@ impl GpuRenderer {
         );
         let buffers: Vec<&wgpu::Buffer> = buffers.iter().collect();
         let layout = &self.passes.scene;
+        let halo = (world.scene.mode == Mode::Full).then(|| {
+            let passes = self.passes.halo(&self.device);
+            let mounted = world.scene.rig.eye(eye);
+            HaloEye::new(&self.device, passes, layout, upload.variant, world, mounted)
+        });
         Ok(SceneBuffers {
             group: tile::bind_group(&self.device.device, "scene", layout, &buffers),
             pipelines: self.passes.of(&self.device, upload.variant),
+            halo: halo.transpose()?,
         })
     }
 
@@ -136,8 +149,33 @@ impl GpuRenderer {
         buffers.prepare(&self.device, tile);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         passes::encode(&mut encoder, scene, buffers, tile);
+        if let Some(halo) = &scene.halo {
+            halo.encode_weigh(&mut encoder, self.passes.halo(&self.device), buffers, tile);
+        }
         buffers.encode_copy(&mut encoder, tile);
         queue.submit([encoder.finish()])
+    }
+
+    /// Adds the halo to images whose tiles are all weighed.
+    fn spread(
+        &self,
+        scenes: &[SceneBuffers; 2],
+        eyes: &mut [EyeFrame; 2],
+        times: &mut Times,
+    ) -> Result<(), RenderError> {
+        let submissions = scenes.each_ref().map(|scene| {
+            let halo = scene.halo.as_ref()?;
+            let descriptor = wgpu::CommandEncoderDescriptor::default();
+            let mut encoder = self.device.device.create_command_encoder(&descriptor);
+            halo.encode_spread(&mut encoder, self.passes.halo(&self.device), &scene.group);
+            Some((halo, self.device.queue.submit([encoder.finish()])))
+        });
+        for (submission, eye) in submissions.into_iter().zip(eyes) {
+            if let Some((halo, submission)) = submission {
+                halo.read(&self.device, submission, eye, times)?;
+            }
+        }
+        Ok(())
     }
 
     fn render_pair(
@@ -151,12 +189,13 @@ impl GpuRenderer {
             self.bind(&world, Eye::Left)?,
             self.bind(&world, Eye::Right)?,
         ];
+        let is_spread = scene.mode == Mode::Full;
         let largest = |eye| {
             let of_eye = tiles.iter().filter(|(e, _)| *e == eye);
             of_eye.map(|(_, tile)| tile.pixels()).max().unwrap_or(0)
         };
-        let buffers =
-            Eye::BOTH.map(|eye| TileBuffers::new(&self.device, &self.passes, largest(eye)));
+        let buffers = Eye::BOTH
+            .map(|eye| TileBuffers::new(&self.device, &self.passes, largest(eye), is_spread));
         let mut eyes = Eye::BOTH.map(|eye| {
             let i = scene.rig.eye(eye).camera.intrinsics();
             EyeFrame {
@@ -165,7 +204,7 @@ impl GpuRenderer {
                 pixels: vec![PixelTruth::NOTHING; i.width_px as usize * i.height_px as usize],
             }
         });
-        let mut times = [0.0; STAGES.len()];
+        let mut times = Times::default();
         let mut read = |(eye, tile, submission): (Eye, &Tile, _), eyes: &mut [EyeFrame; 2]| {
             let width = tile.width as usize;
             let rows = tile.kept.start as usize * width..tile.kept.end as usize * width;
@@ -187,6 +226,7 @@ impl GpuRenderer {
         if let Some(pending) = before {
             read(pending, &mut eyes)?;
         }
+        self.spread(&scenes, &mut eyes, &mut times)?;
         *self.times.lock().unwrap_or_else(PoisonError::into_inner) = times;
         progress(1.0);
         Ok(eyes)
@@ -197,7 +237,6 @@ impl GpuRenderer {
 fn missing(scene: &Scene) -> Option<(&'static str, &'static str)> {
     let seabed = scene.seabed.as_ref();
     let features = [
-        ("mode \"full\"", scene.mode == Mode::Full),
         (
             "port",
             Eye::BOTH

@@ -11,11 +11,20 @@ mod common;
 
 use rodsight_geometry::{Eye, Vec3};
 use rodsight_optics::{Medium, Phase, Wells, water};
-use rodsight_render::{CpuRenderer, EyeFrame, Renderer, Truth};
+use rodsight_render::{CpuRenderer, EyeFrame, Frame, Renderer, Truth};
 use rodsight_scene::{Material, Mode, Rod, Scene};
 
 fn render(scene: &Scene) -> EyeFrame {
     CpuRenderer.render_eye(scene, Eye::Left, &|_| ()).unwrap()
+}
+
+/// A pair of every backend that this machine has.
+fn on_each(scene: &Scene) -> Vec<Frame> {
+    let cpu: Box<dyn Renderer> = Box::new(CpuRenderer);
+    let gpu = common::gpu().map(|gpu| -> Box<dyn Renderer> { Box::new(gpu) });
+    let all = core::iter::once(cpu).chain(gpu);
+    all.map(|renderer| renderer.render(scene, &|_| ()).unwrap())
+        .collect()
 }
 
 /// A lit rod over a floor in water of some type.
@@ -45,10 +54,12 @@ fn endless_card_arrives_whole() {
     scene.mode = Mode::Full;
     scene.medium = water::by_name("1C").unwrap().medium();
     scene.rods.push(card(2.0, [1.0, 2.0, 3.0]));
-    let frame = render(&scene);
     let wells = Wells::of(&scene.medium);
-    let pixel = frame.at(60, 33);
-    for k in 0..3 {
+    for (frame, k) in on_each(&scene)
+        .iter()
+        .flat_map(|f| (0..3).map(move |k| (f, k)))
+    {
+        let pixel = frame.left.at(60, 33);
         let c = scene.medium.beam_attenuation_per_m()[k];
         let sent = 1.0 + k as f64;
         let sharp = f64::from(pixel.direct[k]) / (sent * libm::exp(-2.0 * c));
@@ -111,20 +122,19 @@ fn frame_sum_is_preserved() {
         length_m: 0.3,
         ..common::flat_rod(Vec3::new(4.0, -0.5, -1.0), Vec3::y(), 0.1)
     });
-    let frame = render(&scene);
-    let sum = |channel: fn(&rodsight_render::PixelTruth) -> [f32; 3]| -> f64 {
-        frame
-            .pixels
-            .iter()
-            .map(|pixel| f64::from(channel(pixel)[1]))
-            .sum()
-    };
-    let ratio = sum(|p| p.forward) / sum(|p| p.direct);
-    let expected = libm::exp(0.3 * 3.9) - 1.0;
-    assert!(
-        (ratio / expected - 1.0).abs() < 0.03,
-        "{ratio} for {expected}"
-    );
+    for frame in on_each(&scene) {
+        let sum = |channel: fn(&rodsight_render::PixelTruth) -> [f32; 3]| -> f64 {
+            let pixels = frame.left.pixels.iter();
+            pixels.map(|pixel| f64::from(channel(pixel)[1])).sum()
+        };
+        let ratio = sum(|p| p.forward) / sum(|p| p.direct);
+        let expected = libm::exp(0.3 * 3.9) - 1.0;
+        assert!(
+            (ratio / expected - 1.0).abs() < 0.03,
+            "{}: {ratio} for {expected}",
+            frame.backend
+        );
+    }
 }
 
 /// V10: without scattering, `full` is `single`; what is scattered by hardly any angle is not scattered at all.
@@ -204,50 +214,55 @@ fn mirrored_scene_gives_mirrored_halos() {
     scene.seabed = None;
     let rod = common::orange_rod(Vec3::new(2.0, 0.0, -0.9), Vec3::new(0.2, 0.0, 1.0), 0.08);
     scene.rods.push(rod);
-    let [left, right] = Eye::BOTH.map(|eye| CpuRenderer.render_eye(&scene, eye, &|_| ()).unwrap());
-    let brightest = left
-        .pixels
-        .iter()
-        .map(|pixel| pixel.forward[0])
-        .fold(0.0, f32::max);
-    for row in 0..left.height_px {
-        for column in 0..left.width_px {
+    for Frame {
+        left,
+        right,
+        backend,
+        ..
+    } in on_each(&scene)
+    {
+        let all = left.pixels.iter().map(|pixel| pixel.forward[0]);
+        let brightest = all.fold(0.0, f32::max);
+        for (column, row) in places(&left) {
             let a = left.at(column, row).forward[0];
             let b = right.at(left.width_px - 1 - column, row).forward[0];
             assert!(
                 (a - b).abs() < 5e-3 * brightest,
-                "({column}, {row}): {a} {b}"
+                "{backend} ({column}, {row}): {a} {b}"
             );
         }
     }
+}
+
+fn places(frame: &EyeFrame) -> impl Iterator<Item = (u32, u32)> + use<> {
+    let (width, height) = (frame.width_px, frame.height_px);
+    (0..height).flat_map(move |row| (0..width).map(move |column| (column, row)))
 }
 
 /// What lies outside the image gives it light: the halo is that of the same pixels in a wider image.
 #[test]
 fn halo_does_not_know_where_the_image_ends() {
     let scene = lit("1C", 16);
-    let whole = render(&scene);
     let mut part = scene.clone();
     let mut i = *scene.rig.left.camera.intrinsics();
     (i.width_px, i.height_px) = (48, 40);
     (i.cx_px, i.cy_px) = (i.cx_px - 40.0, i.cy_px - 16.0);
     part.rig.left.camera =
         rodsight_geometry::Camera::new(i, rodsight_geometry::Distortion::None).unwrap();
-    let part = render(&part);
-    let mut worst: f32 = 0.0;
-    let brightest = whole
-        .pixels
-        .iter()
-        .map(|pixel| pixel.forward[1])
-        .fold(0.0, f32::max);
-    for row in 0..40 {
-        for column in 0..48 {
-            let [a, b] = [part.at(column, row), whole.at(column + 40, row + 16)];
-            worst = worst.max((a.forward[1] - b.forward[1]).abs() / brightest);
-        }
+    for (whole, part) in on_each(&scene).iter().zip(on_each(&part)) {
+        let all = whole.left.pixels.iter().map(|pixel| pixel.forward[1]);
+        let brightest = all.fold(0.0, f32::max);
+        let off = places(&part.left).map(|(column, row)| {
+            let [a, b] = [
+                part.left.at(column, row),
+                whole.left.at(column + 40, row + 16),
+            ];
+            (a.forward[1] - b.forward[1]).abs() / brightest
+        });
+        let worst = off.fold(0.0, f32::max);
+        // One ray outside for 4×4 px.
+        assert!(worst < 0.02, "{}: {worst}", part.backend);
     }
-    // One ray outside for 4×4 px.
-    assert!(worst < 0.02, "{worst}");
 }
 
 /// In 1C, c = 0.664 m⁻¹ at 600 nm: what lies farther than 2.5 / 0.664 m is flagged, water without a surface is not.

@@ -41,13 +41,14 @@ const IDS_DIFFER: f64 = 1e-4;
 /// Samples of a pixel at an edge that may fall on the other side of it.
 const SAMPLES_DIFFER: f32 = 2.0;
 
+/// Numbers of light of a pixel.
+const LIGHT: usize = 15;
+
 /// What of a pixel is compared, light first, scaled by nothing.
-fn light(p: &PixelTruth) -> [f32; 12] {
-    let mut all = [0.0; 12];
-    for (three, value) in
-        all.chunks_exact_mut(3)
-            .zip([p.radiance, p.direct, p.backscatter, p.clean])
-    {
+fn light(p: &PixelTruth) -> [f32; LIGHT] {
+    let mut all = [0.0; LIGHT];
+    let channels = [p.radiance, p.direct, p.forward, p.backscatter, p.clean];
+    for (three, value) in all.chunks_exact_mut(3).zip(channels) {
         three.copy_from_slice(&value);
     }
     all
@@ -113,7 +114,7 @@ fn compare_eye(actual: &EyeFrame, reference: &EyeFrame, samples: f32) -> Result<
         max_abs: digit,
         ..t
     }) {
-        let found = compare_images(&a, &r, [shape[0], shape[1], 12], tolerance);
+        let found = compare_images(&a, &r, [shape[0], shape[1], LIGHT], tolerance);
         report = format!(
             "light {:.1e}",
             found.map_err(|e| format!("light: {e}"))?.worst_rel
@@ -146,10 +147,10 @@ fn compare_eye(actual: &EyeFrame, reference: &EyeFrame, samples: f32) -> Result<
             let columns = column.saturating_sub(1)..(column + 2).min(reference.width_px);
             columns.map(move |c| light(reference.at(c, r)))
         });
-        let brightest = around.fold([0.0_f32; 12], |most, v| {
+        let brightest = around.fold([0.0_f32; LIGHT], |most, v| {
             core::array::from_fn(|k| most[k].max(v[k]))
         });
-        for k in 0..12 {
+        for k in 0..LIGHT {
             let off = (a[k] - r[k]).abs();
             let allowed = SAMPLES_DIFFER / samples * brightest[k] + 2e-3 * r[k];
             // `!(…)` refuses NaN.
@@ -233,7 +234,7 @@ fn shipped_scenes_look_the_same_on_both_backends() {
 
 #[test]
 fn every_mode_and_lens_looks_the_same_on_both_backends() {
-    for mode in [Mode::Air, Mode::Koschmieder, Mode::Single] {
+    for mode in [Mode::Air, Mode::Koschmieder, Mode::Single, Mode::Full] {
         for lens in [None, Some(common::BROWN), Some(common::KANNALA)] {
             let mut scene = common::crossing(8);
             scene.mode = mode;
@@ -271,7 +272,8 @@ fn airlight_without_a_table_looks_the_same_on_both_backends() {
 #[test]
 fn bytes_depend_on_neither_the_run_nor_the_tiles() {
     let Some(gpu) = common::gpu() else { return };
-    let scene = common::crossing(8);
+    let mut scene = common::crossing(8);
+    scene.mode = Mode::Full;
     let first = gpu.render(&scene, &|_| ()).unwrap();
     let mut renderer = gpu;
     for tile_pixels in [1 << 19, 8000, 1] {

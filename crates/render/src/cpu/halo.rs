@@ -17,19 +17,19 @@ use super::plane::Plane;
 use crate::frame::PixelTruth;
 
 /// Cells to either side that a Gaussian of 2 cells takes part in: 4 σ, all but 1e-4 of it.
-const REACH: usize = 8;
+pub(crate) const REACH: usize = 8;
 /// Cells around the image: those, and one for the interpolation.
-const MARGIN: usize = REACH + 1;
+pub(crate) const MARGIN: usize = REACH + 1;
 /// Widths that are blurred at full resolution: 0, 1 and 2 px.
-const FINE: usize = 3;
+pub(crate) const FINE: usize = 3;
 /// Rows of a piece of work.
 const ROWS: usize = 16;
 /// Sides of what one ray stands for beside the image, and as far as it is sampled finely, px.
-const PATCHES: [isize; 2] = [2, 4];
+pub(crate) const PATCHES: [isize; 2] = [2, 4];
 /// How far the smaller ones go: the reach of the fine widths.
-const BESIDE: isize = REACH.cast_signed();
+pub(crate) const BESIDE: isize = REACH.cast_signed();
 /// Cells farther out take so many rays a side.
-const RAYS: usize = 4;
+pub(crate) const RAYS: usize = 4;
 
 /// Light that is to be spread: what arrives scattered of a surface at a distance, W m⁻² sr⁻¹.
 #[derive(Clone, Copy, Debug, Default)]
@@ -272,10 +272,10 @@ impl<F: Fn(&Pixel) -> Scattered + Sync> Sources<'_, F> {
 }
 
 /// A rectangle: its corner, its size, px.
-type Rectangle = ([isize; 2], [isize; 2]);
+pub(crate) type Rectangle = ([isize; 2], [isize; 2]);
 
 /// What lies between `from` and `to` pixels outside an image: above, left, right and below.
-fn ring([width, height]: [isize; 2], from: isize, to: isize) -> [Rectangle; 4] {
+pub(crate) fn ring([width, height]: [isize; 2], from: isize, to: isize) -> [Rectangle; 4] {
     let (thick, across, down) = (to - from, width + 2 * to, height + 2 * from);
     [
         ([-to, -to], [across, thick]),
@@ -327,12 +327,12 @@ fn deposit(
 
 /// The kernel on cells of `side` px. Their means add (side² − 1)/12 px² of variance and their interpolation, down to pixels by factors of
 /// two, (side² − 1)/4: what is left of (2 side)² is in cells² 4 − (1 − 1/side²)/3.
-fn kernel(side: usize) -> Vec<f32> {
+pub(crate) fn kernel(side: usize) -> Vec<f32> {
     gaussian(4.0 - (1.0 - 1.0 / (side * side) as f64) / 3.0)
 }
 
 /// A Gaussian of this variance at whole steps, from the middle to its reach; all of it sums to 1.
-fn gaussian(variance: f64) -> Vec<f32> {
+pub(crate) fn gaussian(variance: f64) -> Vec<f32> {
     let reach = (4.0 * variance.sqrt()).ceil().min(REACH as f64) as usize;
     let values: Vec<f64> = (0..=reach)
         .map(|k| libm::exp(-0.5 * (k * k) as f64 / variance))

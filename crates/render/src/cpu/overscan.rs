@@ -58,7 +58,7 @@ impl Caster<'_> {
 
 /// Pixels per rad at the middle of the image, where the halo's widths are those of the water. Off its axis a pinhole's pixels are
 /// narrower, by up to cos² of the angle, and the halo does not follow.
-pub(super) fn middle_px_per_rad(mounted: &MountedCamera) -> f64 {
+pub(crate) fn middle_px_per_rad(mounted: &MountedCamera) -> f64 {
     let i = mounted.camera.intrinsics();
     let middle = Pixel::new(0.5 * f64::from(i.width_px), 0.5 * f64::from(i.height_px));
     let angle_rad = |to: Pixel, focal_px: f64| {
@@ -72,7 +72,7 @@ pub(super) fn middle_px_per_rad(mounted: &MountedCamera) -> f64 {
 }
 
 /// Width around the image that is sampled finely: about a sixth of a rad.
-pub(super) fn overscan_px(mounted: &MountedCamera) -> usize {
+pub(crate) fn overscan_px(mounted: &MountedCamera) -> usize {
     ((middle_px_per_rad(mounted) / 8.0) as usize)
         .next_power_of_two()
         .clamp(16, 1024)

@@ -150,7 +150,7 @@ impl Plane {
 }
 
 /// The cell of half the resolution that a cell lies in, and the next nearest.
-fn parents(at: isize) -> (isize, isize) {
+pub(crate) fn parents(at: isize) -> (isize, isize) {
     let near = at.div_euclid(2);
     (
         near,

@@ -8,7 +8,7 @@ use wgpu::{DeviceType, ErrorFilter};
 use crate::RenderError;
 
 /// Storage buffers that one pass binds.
-const STORAGE_BUFFERS: u32 = 13;
+const STORAGE_BUFFERS: u32 = 15;
 /// A submission is a tile; one that takes longer than this hangs.
 const LONGEST_WAIT: Duration = Duration::from_secs(600);
 
@@ -102,7 +102,7 @@ impl Gpu {
             STORAGE_BUFFERS.into(),
             limits.max_storage_buffers_per_shader_stage.into(),
         )?;
-        check("bind groups", 3, limits.max_bind_groups.into())?;
+        check("bind groups", 4, limits.max_bind_groups.into())?;
         check(
             "invocations per workgroup",
             64,

@@ -16,34 +16,46 @@ pub(super) struct Vec2f([f32; 2]);
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Vec4f([f32; 4]);
 
+/// `vec2<i32>`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Vec2i([i32; 2]);
+
 macro_rules! vector {
-    ($name:ident, $n:literal) => {
-        impl AsRef<[f32; $n]> for $name {
-            fn as_ref(&self) -> &[f32; $n] {
+    ($name:ident, $n:literal, $kind:ty) => {
+        impl AsRef<[$kind; $n]> for $name {
+            fn as_ref(&self) -> &[$kind; $n] {
                 &self.0
             }
         }
         impl From<[f64; $n]> for $name {
             fn from(values: [f64; $n]) -> Self {
-                Self(values.map(|v| v as f32))
+                Self(values.map(|v| v as $kind))
             }
         }
-        impl AsMut<[f32; $n]> for $name {
-            fn as_mut(&mut self) -> &mut [f32; $n] {
+        impl AsMut<[$kind; $n]> for $name {
+            fn as_mut(&mut self) -> &mut [$kind; $n] {
                 &mut self.0
             }
         }
-        impl From<[f32; $n]> for $name {
-            fn from(values: [f32; $n]) -> Self {
+        impl From<[$kind; $n]> for $name {
+            fn from(values: [$kind; $n]) -> Self {
                 Self(values)
             }
         }
-        encase::impl_vector!($n, $name, f32; using AsRef AsMut From);
+        encase::impl_vector!($n, $name, $kind; using AsRef AsMut From);
     };
 }
-vector!(Vec2f, 2);
-vector!(Vec3f, 3);
-vector!(Vec4f, 4);
+vector!(Vec2f, 2, f32);
+vector!(Vec3f, 3, f32);
+vector!(Vec4f, 4, f32);
+vector!(Vec2i, 2, i32);
+
+#[cfg(test)]
+impl From<Vec2i> for [i32; 2] {
+    fn from(v: Vec2i) -> Self {
+        v.0
+    }
+}
 
 impl From<Vec3> for Vec3f {
     fn from(v: Vec3) -> Self {
@@ -73,6 +85,8 @@ pub(super) struct Frame {
     pub(super) other: Camera,
     pub(super) attenuation_per_m: Vec3f,
     pub(super) horizon_m: f32,
+    pub(super) lamp_attenuation_per_m: Vec3f,
+    pub(super) veil_scattering_per_m: Vec3f,
     pub(super) scattering_per_m: Vec3f,
     pub(super) graze_rad: f32,
     pub(super) ambient_radiance: Vec3f,
@@ -97,6 +111,7 @@ pub(super) struct Frame {
     pub(super) grid_half_way_m: f32,
     pub(super) grid_scale: Vec2f,
     pub(super) lobes: [Vec4f; 4],
+    pub(super) regained_per_m: Vec3f,
     pub(super) disparity_sign: f32,
 }
 
@@ -168,9 +183,44 @@ pub(super) struct Indirect {
     pub(super) count: u32,
 }
 
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub(super) struct HaloStrip {
+    pub(super) at: Vec2i,
+    pub(super) size: Vec2i,
+    pub(super) side: i32,
+    pub(super) columns: u32,
+    pub(super) first: u32,
+}
+
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub(super) struct HaloLevel {
+    pub(super) columns: u32,
+    pub(super) rows: u32,
+    pub(super) side: u32,
+    pub(super) coarser_columns: u32,
+    pub(super) run_px: u32,
+    pub(super) first_run: u32,
+    pub(super) lanes: u32,
+    pub(super) border: u32,
+    pub(super) reach: u32,
+    pub(super) kernel: [Vec4f; 3],
+}
+
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub(super) struct Halo {
+    pub(super) size: Vec2i,
+    pub(super) overscan: u32,
+    pub(super) patches: u32,
+    pub(super) longest_m: f32,
+    pub(super) knots: u32,
+    pub(super) runs: u32,
+    pub(super) strips: [HaloStrip; 8],
+    pub(super) levels: [HaloLevel; rodsight_optics::Halo::LEVELS],
+}
+
 #[cfg(test)]
 mod tests {
-    use rodsight_shaders::{CENTRE, MARK, Pass};
+    use rodsight_shaders::{CENTRE, MARK, Pass, WEIGH};
 
     use super::*;
 
@@ -234,6 +284,8 @@ mod tests {
                 other,
                 attenuation_per_m,
                 horizon_m,
+                lamp_attenuation_per_m,
+                veil_scattering_per_m,
                 scattering_per_m,
                 graze_rad,
                 ambient_radiance,
@@ -258,6 +310,7 @@ mod tests {
                 grid_half_way_m,
                 grid_scale,
                 lobes,
+                regained_per_m,
                 disparity_sign
             }
         );
@@ -322,6 +375,44 @@ mod tests {
             }
         );
         same!(&MARK, Indirect { x, y, z, count });
+        same!(
+            &WEIGH,
+            HaloStrip {
+                at,
+                size,
+                side,
+                columns,
+                first
+            }
+        );
+        same!(
+            &WEIGH,
+            HaloLevel {
+                columns,
+                rows,
+                side,
+                coarser_columns,
+                run_px,
+                first_run,
+                lanes,
+                border,
+                reach,
+                kernel
+            }
+        );
+        same!(
+            &WEIGH,
+            Halo {
+                size,
+                overscan,
+                patches,
+                longest_m,
+                knots,
+                runs,
+                strips,
+                levels
+            }
+        );
     }
 
     #[test]

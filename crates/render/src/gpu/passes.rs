@@ -1,11 +1,12 @@
 //! Pipelines, their bindings, and the passes of one tile.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rodsight_shaders::{BACKSCATTER, CENTRE, MARK, Pass, REFINE};
 
 use super::SceneBuffers;
 use super::device::Gpu;
+use super::halo::HaloPasses;
 use super::tile::{Tile, TileBuffers};
 use crate::RenderError;
 
@@ -17,7 +18,7 @@ const GROUP: u32 = 8;
 /// Storage buffers of the scene's group, after its uniform.
 const SCENE_BUFFERS: u32 = 8;
 /// Storage buffers of the tile's group, after its uniform.
-const TILE_BUFFERS: u32 = 4;
+const TILE_BUFFERS: u32 = 5;
 
 /// What is compiled into the passes of an eye; see `scene.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,7 +32,7 @@ pub(super) struct Variant {
 }
 
 impl Variant {
-    fn constants(self) -> [(&'static str, f64); 6] {
+    pub(super) fn constants(self) -> [(&'static str, f64); 6] {
         [
             ("MODE", self.mode),
             ("EYE_LENS", self.eye_lens),
@@ -47,6 +48,29 @@ impl Variant {
 /// The pipelines of a variant, in the order of [`STAGES`].
 pub(super) type Pipelines = Arc<[wgpu::ComputePipeline; STAGES.len()]>;
 
+/// What was compiled so far, by variant.
+#[derive(Debug)]
+pub(super) struct PerVariant<T>(Mutex<Vec<(Variant, Arc<T>)>>);
+
+impl<T> Default for PerVariant<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T> PerVariant<T> {
+    /// What belongs to a variant, compiled when it is first asked for.
+    pub(super) fn get(&self, variant: Variant, compile: impl FnOnce() -> T) -> Arc<T> {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, compiled)) = all.iter().find(|(known, _)| *known == variant) {
+            return Arc::clone(compiled);
+        }
+        let compiled = Arc::new(compile());
+        all.push((variant, Arc::clone(&compiled)));
+        compiled
+    }
+}
+
 /// The passes, and the pipelines that were asked for so far.
 #[derive(Debug)]
 pub(super) struct Passes {
@@ -56,7 +80,8 @@ pub(super) struct Passes {
     pub(super) written: wgpu::BindGroupLayout,
     pub(super) read: wgpu::BindGroupLayout,
     modules: [wgpu::ShaderModule; STAGES.len()],
-    pipelines: Mutex<Vec<(Variant, Pipelines)>>,
+    pipelines: PerVariant<[wgpu::ComputePipeline; STAGES.len()]>,
+    halo: OnceLock<HaloPasses>,
 }
 
 impl Passes {
@@ -68,58 +93,75 @@ impl Passes {
                 tile: group(d, "tile", &uniform_and(TILE_BUFFERS, false)),
                 written: group(d, "edge count, written", &[storage(0, false)]),
                 read: group(d, "edge count, read", &[storage(0, true)]),
-                modules: STAGES.map(|pass| {
-                    d.create_shader_module(wgpu::ShaderModuleDescriptor {
-                        label: Some(pass.name),
-                        source: wgpu::ShaderSource::Wgsl(pass.source().into()),
-                    })
-                }),
-                pipelines: Mutex::default(),
+                modules: STAGES.map(|pass| module(d, pass)),
+                pipelines: PerVariant::default(),
+                halo: OnceLock::new(),
             })
         })
     }
 
-    /// The pipelines of a variant, compiled when it is first asked for.
-    pub(super) fn of(&self, device: &Gpu, variant: Variant) -> Pipelines {
-        let mut all = self
-            .pipelines
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, pipelines)) = all.iter().find(|(known, _)| *known == variant) {
-            return Arc::clone(pipelines);
-        }
-        let pipelines = Arc::new(core::array::from_fn(|i| self.pipeline(device, i, variant)));
-        all.push((variant, Arc::clone(&pipelines)));
-        pipelines
+    /// The passes of the halo, compiled when they are first asked for.
+    pub(super) fn halo(&self, device: &Gpu) -> &HaloPasses {
+        self.halo
+            .get_or_init(|| HaloPasses::new(device, &self.scene, &self.tile))
     }
 
-    fn pipeline(&self, device: &Gpu, stage: usize, variant: Variant) -> wgpu::ComputePipeline {
-        let pass = STAGES[stage];
-        let third = match pass {
-            MARK => Some(&self.written),
-            REFINE => Some(&self.read),
-            _ => None,
-        };
-        let d = &device.device;
-        let layout = d.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(pass.name),
-            bind_group_layouts: &[Some(&self.scene), Some(&self.tile), third],
-            immediate_size: 0,
-        });
-        let constants = variant.constants();
-        d.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(pass.name),
-            layout: Some(&layout),
-            module: &self.modules[stage],
-            entry_point: Some(pass.name),
-            compilation_options: wgpu::PipelineCompilationOptions {
+    /// The pipelines of a variant.
+    pub(super) fn of(&self, device: &Gpu, variant: Variant) -> Pipelines {
+        self.pipelines.get(variant, || {
+            core::array::from_fn(|stage| {
+                let pass = STAGES[stage];
+                let third = match pass {
+                    MARK => Some(&self.written),
+                    REFINE => Some(&self.read),
+                    _ => None,
+                };
+                let constants = variant.constants();
                 // `mark` casts no rays.
-                constants: if pass == MARK { &[] } else { &constants },
-                ..wgpu::PipelineCompilationOptions::default()
-            },
-            cache: None,
+                let constants: &[_] = if pass == MARK { &[] } else { &constants };
+                let layouts = [Some(&self.scene), Some(&self.tile), third];
+                pipeline(
+                    &device.device,
+                    pass,
+                    &self.modules[stage],
+                    &layouts,
+                    constants,
+                )
+            })
         })
     }
+}
+
+pub(super) fn module(device: &wgpu::Device, pass: Pass) -> wgpu::ShaderModule {
+    device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(pass.name),
+        source: wgpu::ShaderSource::Wgsl(pass.source().into()),
+    })
+}
+
+pub(super) fn pipeline(
+    device: &wgpu::Device,
+    pass: Pass,
+    module: &wgpu::ShaderModule,
+    groups: &[Option<&wgpu::BindGroupLayout>],
+    constants: &[(&str, f64)],
+) -> wgpu::ComputePipeline {
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(pass.name),
+        bind_group_layouts: groups,
+        immediate_size: 0,
+    });
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(pass.name),
+        layout: Some(&layout),
+        module,
+        entry_point: Some(pass.name),
+        compilation_options: wgpu::PipelineCompilationOptions {
+            constants,
+            ..wgpu::PipelineCompilationOptions::default()
+        },
+        cache: None,
+    })
 }
 
 /// All passes of a tile.
@@ -154,11 +196,11 @@ pub(super) fn encode(
     }
 }
 
-fn storage(binding: u32, read_only: bool) -> wgpu::BindGroupLayoutEntry {
+pub(super) fn storage(binding: u32, read_only: bool) -> wgpu::BindGroupLayoutEntry {
     entry(binding, wgpu::BufferBindingType::Storage { read_only })
 }
 
-fn entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
+pub(super) fn entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::COMPUTE,
@@ -178,7 +220,7 @@ fn uniform_and(buffers: u32, read_only: bool) -> Vec<wgpu::BindGroupLayoutEntry>
         .collect()
 }
 
-fn group(
+pub(super) fn group(
     device: &wgpu::Device,
     label: &str,
     entries: &[wgpu::BindGroupLayoutEntry],

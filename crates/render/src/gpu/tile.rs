@@ -8,13 +8,19 @@ use wgpu::BufferUsages;
 use super::device::Gpu;
 use super::layout;
 use super::passes::{Passes, STAGES};
-use super::timer::Timer;
+use super::timer::{Timer, Times};
 use crate::RenderError;
 use crate::frame::PixelTruth;
 
 /// Planes of the buffers, 4 bytes a pixel each; see `tile.wgsl`.
-const KEY_PLANES: u64 = 3;
+const KEY_PLANES: u64 = 4;
 const LIGHT_PLANES: u64 = 9;
+/// Of light that is to be spread: it is not read back.
+const SOURCE_PLANES: u64 = 3;
+/// Things told apart in a pixel at an edge.
+pub(super) const THINGS: u64 = 8;
+/// Bytes of such a pixel's sources.
+const SOURCE_BYTES: u64 = 16 * THINGS;
 const SURFACE_PLANES: u64 = 10;
 
 const TAG_INSTANCE: u32 = 0xffff;
@@ -31,19 +37,24 @@ pub(super) struct Tile {
 }
 
 impl Tile {
-    /// Cuts an image into tiles of at most so many pixels.
+    /// Cuts an image into tiles of at most so many pixels; those whose light is to be spread hold more of each.
     pub(super) fn cut(
         device: &Gpu,
-        width: u32,
-        height: u32,
+        [width, height]: [u32; 2],
         most_pixels: u64,
+        is_spread: bool,
     ) -> Result<Vec<Self>, RenderError> {
         let limits = &device.limits;
         let binding = limits
             .max_storage_buffer_binding_size
             .min(limits.max_buffer_size);
         // The copy back holds light and surface in one buffer.
-        let pixels = (binding / (4 * SURFACE_PLANES))
+        let bytes = if is_spread {
+            SOURCE_BYTES
+        } else {
+            4 * SURFACE_PLANES
+        };
+        let pixels = (binding / bytes)
             .min(limits.max_buffer_size / (4 * (LIGHT_PLANES + SURFACE_PLANES)))
             .min(u64::from(limits.max_compute_workgroups_per_dimension) * 64);
         // One row with its neighbours must fit.
@@ -93,8 +104,8 @@ pub(super) struct TileBuffers {
 }
 
 impl TileBuffers {
-    /// Buffers for tiles up to a size.
-    pub(super) fn new(device: &Gpu, passes: &Passes, largest: u64) -> Self {
+    /// Buffers for tiles up to a size, whose light is to be spread or not.
+    pub(super) fn new(device: &Gpu, passes: &Passes, largest: u64, is_spread: bool) -> Self {
         let d = &device.device;
         let buffer = |label, size, usage| {
             d.create_buffer(&wgpu::BufferDescriptor {
@@ -111,7 +122,14 @@ impl TileBuffers {
             BufferUsages::UNIFORM | BufferUsages::COPY_DST,
         );
         let keys = buffer("keys", 4 * KEY_PLANES * largest, BufferUsages::STORAGE);
-        let light = buffer("light", 4 * LIGHT_PLANES * largest, copied);
+        let (planes, source_bytes, stages) = if is_spread {
+            let sources = SOURCE_BYTES * largest;
+            (LIGHT_PLANES + SOURCE_PLANES, sources, STAGES.len() + 1)
+        } else {
+            (LIGHT_PLANES, SOURCE_BYTES, STAGES.len())
+        };
+        let light = buffer("light", 4 * planes * largest, copied);
+        let sources = buffer("sources", source_bytes, BufferUsages::STORAGE);
         let surface = buffer("surface", 4 * SURFACE_PLANES * largest, copied);
         let edges = buffer("edges", 4 * largest, BufferUsages::STORAGE);
         let indirect = buffer(
@@ -129,7 +147,7 @@ impl TileBuffers {
             group: bind(
                 "tile",
                 &passes.tile,
-                &[&uniform, &keys, &light, &surface, &edges],
+                &[&uniform, &keys, &light, &surface, &edges, &sources],
             ),
             written: bind("edge count, written", &passes.written, &[&indirect]),
             read: bind("edge count, read", &passes.read, &[&indirect]),
@@ -138,7 +156,7 @@ impl TileBuffers {
             surface,
             indirect,
             back,
-            timer: Timer::new(device),
+            timer: Timer::new(device, 0..stages),
         }
     }
 
@@ -189,7 +207,7 @@ impl TileBuffers {
         submission: wgpu::SubmissionIndex,
         tile: &Tile,
         rows: &mut [PixelTruth],
-        times: &mut [f64; STAGES.len()],
+        times: &mut Times,
     ) -> Result<(), RenderError> {
         device.wait(submission)?;
         let size = 4 * (LIGHT_PLANES + SURFACE_PLANES) * tile.pixels();
@@ -239,13 +257,13 @@ fn unpack(bytes: &[u8], tile: &Tile, rows: &mut [PixelTruth]) {
                 let surface = LIGHT_PLANES as usize;
                 let tag = value(surface + 9).to_bits();
                 let mut pixel = PixelTruth {
-                    radiance: core::array::from_fn(|k| direct[k] + backscatter[k]),
                     direct,
                     backscatter,
                     clean: three(6),
                     transmission: three(surface),
                     ..PixelTruth::NOTHING
                 };
+                pixel.sum_radiance();
                 let instance = tag & TAG_INSTANCE;
                 if instance != 0 {
                     pixel.normal = three(surface + 3);

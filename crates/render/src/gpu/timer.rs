@@ -2,17 +2,22 @@
 
 use wgpu::BufferUsages;
 
+use core::ops::Range;
+
 use super::device::Gpu;
-use super::passes::STAGES;
 use crate::RenderError;
 
-/// A time before and one after every stage.
-const STAMPS: u32 = 2 * STAGES.len() as u32;
-const SIZE: u64 = 8 * STAMPS as u64;
+/// What is timed: the passes of a tile, the weighing of mode `full`, and what it does when all tiles are there.
+pub(super) const TIMED: [&str; 6] = ["centre", "backscatter", "mark", "refine", "weigh", "halo"];
+pub(super) const WEIGH: usize = 4;
+pub(super) const HALO: usize = 5;
+/// Of each, s.
+pub(super) type Times = [f64; TIMED.len()];
 
-/// The clock of one tile.
+/// The clock of some stages: a time before and one after each.
 #[derive(Debug)]
 pub(super) struct Timer {
+    stages: Range<usize>,
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     back: wgpu::Buffer,
@@ -20,12 +25,13 @@ pub(super) struct Timer {
 
 impl Timer {
     /// `None` on an adapter that does not tell the time.
-    pub(super) fn new(device: &Gpu) -> Option<Self> {
+    pub(super) fn new(device: &Gpu, stages: Range<usize>) -> Option<Self> {
         let d = &device.device;
+        let stamps = 2 * stages.len() as u32;
         let buffer = |label, usage| {
             d.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
-                size: SIZE,
+                size: 8 * u64::from(stamps),
                 usage,
                 mapped_at_creation: false,
             })
@@ -33,10 +39,11 @@ impl Timer {
         d.features()
             .contains(wgpu::Features::TIMESTAMP_QUERY)
             .then(|| Self {
+                stages: stages.clone(),
                 queries: d.create_query_set(&wgpu::QuerySetDescriptor {
                     label: Some("stages"),
                     ty: wgpu::QueryType::Timestamp,
-                    count: STAMPS,
+                    count: stamps,
                 }),
                 resolved: buffer(
                     "stages",
@@ -51,7 +58,7 @@ impl Timer {
 
     /// What a pass is begun with.
     pub(super) fn of_stage(&self, stage: usize) -> wgpu::ComputePassTimestampWrites<'_> {
-        let first = 2 * stage as u32;
+        let first = 2 * (stage - self.stages.start) as u32;
         wgpu::ComputePassTimestampWrites {
             query_set: &self.queries,
             beginning_of_pass_write_index: Some(first),
@@ -59,22 +66,35 @@ impl Timer {
         }
     }
 
+    /// What a pass is begun with that is the first or the last of a stage of several.
+    pub(super) fn of_part(
+        &self,
+        stage: usize,
+        is_first: bool,
+        is_last: bool,
+    ) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        let whole = self.of_stage(stage);
+        (is_first || is_last).then(|| wgpu::ComputePassTimestampWrites {
+            beginning_of_pass_write_index: whole.beginning_of_pass_write_index.filter(|_| is_first),
+            end_of_pass_write_index: whole.end_of_pass_write_index.filter(|_| is_last),
+            ..whole
+        })
+    }
+
     pub(super) fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.resolve_query_set(&self.queries, 0..STAMPS, &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.back, 0, SIZE);
+        let stamps = 2 * self.stages.len() as u32;
+        encoder.resolve_query_set(&self.queries, 0..stamps, &self.resolved, 0);
+        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.back, 0, self.back.size());
     }
 
     /// Adds the stages of a finished submission, s.
-    pub(super) fn add(
-        &self,
-        device: &Gpu,
-        sums: &mut [f64; STAGES.len()],
-    ) -> Result<(), RenderError> {
-        let ticks: Vec<u64> = device.mapped(&self.back, SIZE, |bytes| {
+    pub(super) fn add(&self, device: &Gpu, sums: &mut Times) -> Result<(), RenderError> {
+        let ticks: Vec<u64> = device.mapped(&self.back, self.back.size(), |bytes| {
             let (words, _) = bytes.as_chunks::<8>();
             words.iter().map(|word| u64::from_le_bytes(*word)).collect()
         })?;
         let tick_s = f64::from(device.queue.get_timestamp_period()) * 1e-9;
+        let sums = &mut sums[self.stages.clone()];
         for (sum, pair) in sums.iter_mut().zip(ticks.chunks(2)) {
             *sum += pair[1].saturating_sub(pair[0]) as f64 * tick_s;
         }

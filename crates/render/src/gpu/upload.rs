@@ -3,7 +3,7 @@
 use encase::ShaderType;
 use encase::internal::WriteInto;
 use rodsight_geometry::{Distortion, Eye, MountedCamera, Vec3};
-use rodsight_optics::Phase;
+use rodsight_optics::{Phase, Wells};
 use rodsight_scene::{EdgeSampling, Material, Mode, Scene};
 
 use super::layout::{self, Vec2f, Vec4f};
@@ -117,7 +117,7 @@ impl Upload {
 }
 
 /// A buffer of at least one element: an empty one cannot be bound.
-fn storage<T: ShaderType + WriteInto + Default>(mut elements: Vec<T>) -> Vec<u8>
+pub(super) fn storage<T: ShaderType + WriteInto + Default>(mut elements: Vec<T>) -> Vec<u8>
 where
     Vec<T>: ShaderType + WriteInto,
 {
@@ -161,6 +161,8 @@ fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
         other: camera(other, &origin_m),
         attenuation_per_m: world.attenuation_per_m.into(),
         horizon_m: world.horizon_m as f32,
+        lamp_attenuation_per_m: world.lamp_attenuation_per_m.into(),
+        veil_scattering_per_m: world.scattering_per_m.into(),
         scattering_per_m: scene.medium.scattering_per_m().into(),
         graze_rad: graze_rad(mounted) as f32,
         ambient_radiance: scene.ambient_radiance.into(),
@@ -178,6 +180,11 @@ fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
             Eye::Left => 1.0,
             Eye::Right => -1.0,
         },
+        regained_per_m: match scene.mode {
+            Mode::Full => Wells::of(&scene.medium).map(|band| band.regained_per_m(0.0)),
+            _ => [0.0; 3],
+        }
+        .into(),
         ..layout::Frame::default()
     }
 }

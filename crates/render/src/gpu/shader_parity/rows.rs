@@ -1,6 +1,7 @@
 //! The table: each function's grid, twin and tolerance.
 
 mod camera;
+mod halo;
 mod light;
 mod solid;
 
@@ -12,6 +13,7 @@ pub(super) fn all() -> Vec<Row> {
     let mut rows = camera::rows();
     rows.extend(solid::rows());
     rows.extend(light::rows());
+    rows.extend(halo::rows());
     rows
 }
 
