@@ -7,7 +7,7 @@ fn backscatter(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let pixel = id.y * tile.width + id.x;
     let corner = vec2<f32>(vec2<u32>(id.x, tile.first_row + id.y));
-    let direction = camera_to_rig(frame.eye, camera_ray(EYE_LENS, frame.eye, corner, vec2<f32>(0.5)));
+    let ray = eye_ray(corner, vec2<f32>(0.5));
     let range = surface[7u * tile.width * tile.rows + pixel];
-    tile_store(3u, pixel, water_backscatter(direction, corner + 0.5, range));
+    tile_store(3u, pixel, water_backscatter(ray, corner + 0.5, range));
 }

@@ -8,10 +8,10 @@ fn centre(@builtin(global_invocation_id) id: vec3<u32>) {
     let pixels = tile.width * tile.rows;
     let pixel = id.y * tile.width + id.x;
     let corner = vec2<f32>(vec2<u32>(id.x, tile.first_row + id.y));
-    let direction = camera_to_rig(frame.eye, camera_ray(EYE_LENS, frame.eye, corner, vec2<f32>(0.5)));
-    let hit = scene_hit(vec3<f32>(0.0), direction);
-    let sample = scene_light(direction, hit);
-    let grazes = scene_grazes_a_limb(direction);
+    let ray = eye_ray(corner, vec2<f32>(0.5));
+    let hit = scene_hit(ray.origin_m, ray.direction);
+    let sample = scene_light(ray, hit);
+    let grazes = scene_grazes_a_limb(ray.origin_m, ray.direction);
 
     keys[pixel] = hit.instance | select(0u, KEY_CAP, hit.cap) | select(0u, KEY_GRAZES, grazes);
     keys[pixels + pixel] = sample.lit_by;
@@ -23,19 +23,18 @@ fn centre(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     tile_store_surface(0u, pixel, sample.transmission);
 
-    let point = direction * hit.t_m;
     var tag = hit.instance;
     var disparity = 0.0;
     var depth = 0.0;
     if hit.instance != NOTHING {
-        depth = dot(frame.eye.forward, point);
-        let there = camera_project(OTHER_LENS, frame.other, camera_from_rig(frame.other, point - frame.other.origin_m));
-        if there.z > 0.0 {
+        depth = dot(frame.eye.forward, hit.point_m);
+        let there = eye_sight(hit.point_m);
+        if there.is_seen {
             tag |= TAG_IN_VIEW;
-            disparity = frame.disparity_sign * ((corner.x + 0.5) - there.x);
+            disparity = frame.disparity_sign * ((corner.x + 0.5) - there.pixel.x);
         }
-        if there.z == 0.0 || !camera_contains(frame.other, there.xy)
-            || scene_is_hidden(point, hit.normal, hit.instance, frame.other.origin_m) {
+        if !there.is_seen || !camera_contains(frame.other, there.pixel)
+            || scene_is_hidden(hit.point_m, hit.normal, hit.instance, there.from_m) {
             tag |= TAG_OCCLUDED;
         }
     }

@@ -34,9 +34,9 @@ fn refine(@builtin(global_invocation_id) id: vec3<u32>) {
     var seen = 0u;
     for (var i = 0u; i < frame.samples; i++) {
         let inside = lattice_place(offsets[i], shift);
-        let direction = camera_to_rig(frame.eye, camera_ray(EYE_LENS, frame.eye, corner, inside));
-        let hit = scene_hit(vec3<f32>(0.0), direction);
-        let sample = scene_light(direction, hit);
+        let ray = eye_ray(corner, inside);
+        let hit = scene_hit(ray.origin_m, ray.direction);
+        let sample = scene_light(ray, hit);
         direct += sample.direct;
         clean += sample.clean;
         transmission += sample.transmission;
@@ -56,7 +56,7 @@ fn refine(@builtin(global_invocation_id) id: vec3<u32>) {
         wets[place] += sample.wet;
     }
     let share = 1.0 / f32(frame.samples);
-    let middle = camera_to_rig(frame.eye, camera_ray(EYE_LENS, frame.eye, corner, vec2<f32>(0.5)));
+    let middle = eye_ray(corner, vec2<f32>(0.5));
     var scattered = vec3<f32>(0.0);
     for (var place = 0u; place < seen; place++) {
         let mean = ranges[place] / counts[place];

@@ -28,6 +28,8 @@ const MIN_STRETCH_M: f32 = 1e-6;
 struct Frame {
     eye: Camera,
     other: Camera,
+    eye_port: Port,
+    other_port: Port,
     /// c, between surfaces and the camera.
     attenuation_per_m: vec3<f32>,
     horizon_m: f32,
@@ -96,6 +98,7 @@ struct Hit {
     instance: u32,
     normal: vec3<f32>,
     cap: bool,
+    point_m: vec3<f32>,
 }
 
 fn scene_seabed_hit(origin_m: vec3<f32>, direction: vec3<f32>) -> f32 {
@@ -108,7 +111,7 @@ fn scene_seabed_hit(origin_m: vec3<f32>, direction: vec3<f32>) -> f32 {
 
 /// The first surface on a ray.
 fn scene_hit(origin_m: vec3<f32>, direction: vec3<f32>) -> Hit {
-    var hit = Hit(scene_seabed_hit(origin_m, direction), NOTHING, vec3<f32>(0.0), false);
+    var hit = Hit(scene_seabed_hit(origin_m, direction), NOTHING, vec3<f32>(0.0), false, vec3<f32>(0.0));
     if hit.t_m < SOLID_NONE_M {
         hit.instance = SEABED;
         hit.normal = vec3<f32>(0.0, 0.0, -sign(direction.z));
@@ -143,6 +146,7 @@ fn scene_hit(origin_m: vec3<f32>, direction: vec3<f32>) -> Hit {
             hit.normal = solid_normal(segment, origin_m + direction * hit.t_m);
         }
     }
+    hit.point_m = origin_m + direction * hit.t_m;
     return hit;
 }
 
@@ -180,8 +184,7 @@ fn scene_is_hidden(point_m: vec3<f32>, normal: vec3<f32>, instance: u32, from_m:
         || scene_is_blocked(from_m, direction, distance, instance);
 }
 
-fn scene_grazes_a_limb(direction: vec3<f32>) -> bool {
-    let origin = vec3<f32>(0.0);
+fn scene_grazes_a_limb(origin: vec3<f32>, direction: vec3<f32>) -> bool {
     let per_direction = bvh_per_direction(direction);
     var n = 0u;
     while n < frame.nodes {
@@ -209,7 +212,7 @@ struct Surface {
 
 /// Lambert: L = Σ ρ/π · I cos θ / r² · e^(-K r) + ρ L_ambient; a flat surface sends its own radiance.
 fn scene_surface(direction: vec3<f32>, hit: Hit) -> Surface {
-    let point = direction * hit.t_m;
+    let point = hit.point_m;
     var albedo: vec3<f32>;
     if hit.instance == SEABED {
         let along_floor = hit.t_m * frame.footprint_rad / max(abs(direction.z), 1e-3);
@@ -250,21 +253,22 @@ fn scene_surface(direction: vec3<f32>, hit: Hit) -> Surface {
 /// What one ray brings from a surface, after its way to the camera.
 struct Sample {
     direct: vec3<f32>,
-    /// Where it leaves the surface.
+    /// Before its way.
     wet: vec3<f32>,
     clean: vec3<f32>,
     transmission: vec3<f32>,
     lit_by: u32,
 }
 
-fn scene_light(direction: vec3<f32>, hit: Hit) -> Sample {
+fn scene_light(ray: EyeRay, hit: Hit) -> Sample {
     if hit.instance == NOTHING {
-        let background = select(vec3<f32>(0.0), frame.background_radiance, MODE == MODE_AIR);
+        let background = ray.gain * select(vec3<f32>(0.0), frame.background_radiance, MODE == MODE_AIR);
         return Sample(background, vec3<f32>(0.0), background, vec3<f32>(0.0), 0u);
     }
-    let surface = scene_surface(direction, hit);
+    let surface = scene_surface(ray.direction, hit);
     let transmission = medium_transmittance(frame.attenuation_per_m, hit.t_m);
-    return Sample(surface.wet * transmission, surface.wet, surface.dry, transmission, surface.lit_by);
+    let wet = ray.gain * surface.wet;
+    return Sample(wet * transmission, wet, ray.gain * surface.dry, transmission, surface.lit_by);
 }
 
 /// The part of a surface's light that arrives scattered.

@@ -14,10 +14,11 @@ fn water_phase_per_sr(one_minus_cos: f32) -> f32 {
     return sum;
 }
 
-/// What one lamp's light adds to a stretch of a ray from the camera: (b/h) I Σ p(μ) cone e^(-K(r+t)) dθ.
-fn water_scattered(lamp: Lamp, direction: vec3<f32>, from_m: f32, to_m: f32) -> vec3<f32> {
+/// What one lamp's light adds to a stretch of a ray: (b/h) I Σ p(μ) cone e^(-K(r+t)) dθ.
+fn water_scattered(lamp: Lamp, ray: EyeRay, from_m: f32, to_m: f32) -> vec3<f32> {
     let points = frame.airlight_points;
-    let nodes = airlight_nodes(lamp.position_m - direction * from_m, direction, to_m - from_m, points);
+    let direction = ray.direction;
+    let nodes = airlight_nodes(lamp.position_m - (ray.origin_m + direction * from_m), direction, to_m - from_m, points);
     var sum = vec3<f32>(0.0);
     for (var i = 0u; i < points; i++) {
         let node = airlight_node(nodes, i);
@@ -33,9 +34,10 @@ fn water_scattered(lamp: Lamp, direction: vec3<f32>, from_m: f32, to_m: f32) -> 
 }
 
 /// The first stretch of a ray, of those that end beyond `after_m`, that a lamp does not reach; (distance, distance) if none.
-fn water_next_dark(lamp: u32, direction: vec3<f32>, distance_m: f32, after_m: f32) -> vec2<f32> {
+fn water_next_dark(lamp: u32, ray: EyeRay, distance_m: f32, after_m: f32) -> vec2<f32> {
     var next = vec2<f32>(distance_m);
-    let lamp_m = lamps[lamp].position_m;
+    let lamp_m = lamps[lamp].position_m - ray.origin_m;
+    let direction = ray.direction;
     let nearest_t = dot(lamp_m, direction);
     let foot = direction * nearest_t - lamp_m;
     let to_ray = length(foot);
@@ -61,11 +63,11 @@ fn water_next_dark(lamp: u32, direction: vec3<f32>, distance_m: f32, after_m: f3
 }
 
 /// What all lamps' light would add to a ray if nothing stood in it.
-fn water_unshadowed(direction: vec3<f32>, pixel: vec2<f32>, distance_m: f32) -> vec3<f32> {
+fn water_unshadowed(ray: EyeRay, pixel: vec2<f32>, distance_m: f32) -> vec3<f32> {
     if !AIRLIGHT_TABLE {
         var sum = vec3<f32>(0.0);
         for (var i = 0u; i < frame.lamps; i++) {
-            sum += water_scattered(lamps[i], direction, 0.0, min(distance_m, frame.horizon_m));
+            sum += water_scattered(lamps[i], ray, 0.0, min(distance_m, frame.horizon_m));
         }
         return sum;
     }
@@ -87,8 +89,9 @@ fn water_knots(corner: u32, step: f32, weights: vec4<f32>) -> vec3<f32> {
         + weights.z * airlight[knot + 2u].xyz + weights.w * airlight[knot + 3u].xyz;
 }
 
-/// Light the water scatters into the first `distance_m` of the ray through a pixel (`SOLID_NONE_M` where there is no surface).
-fn water_backscatter(direction: vec3<f32>, pixel: vec2<f32>, distance_m: f32) -> vec3<f32> {
+/// Light the water scatters into the first `distance_m` of the ray through a pixel (`SOLID_NONE_M` where there is no surface), at the
+/// lens.
+fn water_backscatter(ray: EyeRay, pixel: vec2<f32>, distance_m: f32) -> vec3<f32> {
     if MODE == MODE_AIR {
         return vec3<f32>(0.0);
     }
@@ -97,21 +100,21 @@ fn water_backscatter(direction: vec3<f32>, pixel: vec2<f32>, distance_m: f32) ->
     let share = select(vec3<f32>(0.0), frame.veil_scattering_per_m / max(k, vec3<f32>(1e-30)), k > vec3<f32>(0.0));
     let veil = share * frame.ambient_radiance * maths_rise(k * min(distance_m, 1e30));
     if MODE == MODE_KOSCHMIEDER {
-        return veil;
+        return ray.gain * veil;
     }
-    var light = water_unshadowed(direction, pixel, distance_m);
+    var light = water_unshadowed(ray, pixel, distance_m);
     let end = min(distance_m, frame.horizon_m);
     for (var i = 0u; i < frame.lamps; i++) {
         var lit_from = 0.0;
         while end - lit_from > MIN_STRETCH_M {
-            let dark = water_next_dark(i, direction, end, lit_from);
+            let dark = water_next_dark(i, ray, end, lit_from);
             let from_m = max(dark.x, lit_from);
             if dark.y - from_m > MIN_STRETCH_M {
-                light -= water_scattered(lamps[i], direction, from_m, dark.y);
+                light -= water_scattered(lamps[i], ray, from_m, dark.y);
             }
             lit_from = max(lit_from, dark.y);
         }
     }
     // Where all of it is in the dark, the two sums differ by their quadratures.
-    return veil + max(light, vec3<f32>(0.0));
+    return ray.gain * (veil + max(light, vec3<f32>(0.0)));
 }

@@ -37,6 +37,8 @@ pub const MATHS: Part = part!("lib/maths.wgsl");
 pub const LATTICE: Part = part!("lib/lattice.wgsl");
 /// Pixels and rays; needs [`MATHS`].
 pub const CAMERA: Part = part!("lib/camera.wgsl");
+/// Glass before a camera.
+pub const PORT: Part = part!("lib/port.wgsl");
 /// Cylinders.
 pub const SOLID: Part = part!("lib/solid.wgsl");
 /// Boxes.
@@ -63,6 +65,7 @@ pub const LIB: &[Part] = &[
     MATHS,
     LATTICE,
     CAMERA,
+    PORT,
     SOLID,
     BVH,
     SEABED,
@@ -76,6 +79,7 @@ pub const LIB: &[Part] = &[
 ];
 
 const SCENE: Part = part!("pass/scene.wgsl");
+const EYE: Part = part!("pass/eye.wgsl");
 const WATER: Part = part!("pass/water.wgsl");
 const TILE: Part = part!("pass/tile.wgsl");
 const HALO_LEVELS: Part = part!("pass/halo.wgsl");
@@ -90,6 +94,7 @@ pub const CENTRE: Pass = Pass {
         MATHS,
         LATTICE,
         CAMERA,
+        PORT,
         SOLID,
         BVH,
         SEABED,
@@ -98,6 +103,7 @@ pub const CENTRE: Pass = Pass {
         SHADOW,
         HALO,
         SCENE,
+        EYE,
         TILE,
         part!("pass/centre.wgsl"),
     ],
@@ -110,6 +116,7 @@ pub const BACKSCATTER: Pass = Pass {
         MATHS,
         LATTICE,
         CAMERA,
+        PORT,
         SOLID,
         BVH,
         SEABED,
@@ -121,6 +128,7 @@ pub const BACKSCATTER: Pass = Pass {
         SHADOW,
         HALO,
         SCENE,
+        EYE,
         WATER,
         TILE,
         part!("pass/backscatter.wgsl"),
@@ -140,6 +148,7 @@ pub const REFINE: Pass = Pass {
         MATHS,
         LATTICE,
         CAMERA,
+        PORT,
         SOLID,
         BVH,
         SEABED,
@@ -151,6 +160,7 @@ pub const REFINE: Pass = Pass {
         SHADOW,
         HALO,
         SCENE,
+        EYE,
         WATER,
         TILE,
         part!("pass/refine.wgsl"),
@@ -178,6 +188,7 @@ pub const OVERSCAN: Pass = Pass {
         MATHS,
         LATTICE,
         CAMERA,
+        PORT,
         SOLID,
         BVH,
         SEABED,
@@ -186,6 +197,7 @@ pub const OVERSCAN: Pass = Pass {
         SHADOW,
         HALO,
         SCENE,
+        EYE,
         HALO_LEVELS,
         HALO_IMAGE,
         BEYOND,
@@ -200,6 +212,7 @@ pub const FAR: Pass = Pass {
         MATHS,
         LATTICE,
         CAMERA,
+        PORT,
         SOLID,
         BVH,
         SEABED,
@@ -208,6 +221,7 @@ pub const FAR: Pass = Pass {
         SHADOW,
         HALO,
         SCENE,
+        EYE,
         HALO_LEVELS,
         HALO_IMAGE,
         BEYOND,

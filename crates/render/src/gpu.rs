@@ -15,7 +15,7 @@ mod upload;
 
 use std::sync::{Mutex, PoisonError};
 
-use rodsight_geometry::Eye;
+use rodsight_geometry::{Band, Eye};
 use rodsight_scene::{Finish, Mode, Scene};
 
 pub use device::AdapterChoice;
@@ -100,11 +100,11 @@ impl GpuRenderer {
             .collect())
     }
 
-    /// The scene's buffers as one eye sees them.
-    fn bind(&self, world: &World<'_>, eye: Eye) -> Result<SceneBuffers, RenderError> {
+    /// The scene's buffers as one eye sees them in one band.
+    fn bind(&self, world: &World<'_>, eye: Eye, band: Band) -> Result<SceneBuffers, RenderError> {
         use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
-        let upload = Upload::new(world, eye);
+        let upload = Upload::new(world, eye, band);
         let limit = self.device.limits.max_storage_buffer_binding_size;
         for (label, contents) in &upload.storage {
             self.device.check(label, contents.len() as u64, limit)?;
@@ -129,8 +129,15 @@ impl GpuRenderer {
         let layout = &self.passes.scene;
         let halo = (world.scene.mode == Mode::Full).then(|| {
             let passes = self.passes.halo(&self.device);
-            let mounted = world.scene.rig.eye(eye);
-            HaloEye::new(&self.device, passes, layout, upload.variant, world, mounted)
+            let mounted = world.scene.rig.eye(eye).in_band(band);
+            HaloEye::new(
+                &self.device,
+                passes,
+                layout,
+                upload.variant,
+                world,
+                &mounted,
+            )
         });
         Ok(SceneBuffers {
             group: tile::bind_group(&self.device.device, "scene", layout, &buffers),
@@ -178,16 +185,44 @@ impl GpuRenderer {
         Ok(())
     }
 
+    /// Both eyes: behind ports that part the bands each band by itself, with the truth of green.
     fn render_pair(
         &self,
         scene: &Scene,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<[EyeFrame; 2], RenderError> {
-        let tiles = self.tiles(scene)?;
         let world = World::new(scene);
+        let mut times = Times::default();
+        let parts = Eye::BOTH.iter().any(|&eye| scene.rig.eye(eye).disperses());
+        let renders = if parts { 3.0 } else { 1.0 };
+        let mut eyes = self.render_band(&world, Band::Green, &mut times, &|done| {
+            progress(done / renders);
+        })?;
+        if parts {
+            for (before, band) in [(1.0, Band::Red), (2.0, Band::Blue)] {
+                let part = |done| progress((before + done) / renders);
+                let others = self.render_band(&world, band, &mut times, &part)?;
+                for (eye, other) in eyes.iter_mut().zip(&others) {
+                    eye.take_light(other, band);
+                }
+            }
+        }
+        *self.times.lock().unwrap_or_else(PoisonError::into_inner) = times;
+        Ok(eyes)
+    }
+
+    fn render_band(
+        &self,
+        world: &World<'_>,
+        band: Band,
+        times: &mut Times,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<[EyeFrame; 2], RenderError> {
+        let scene = world.scene;
+        let tiles = self.tiles(scene)?;
         let scenes = [
-            self.bind(&world, Eye::Left)?,
-            self.bind(&world, Eye::Right)?,
+            self.bind(world, Eye::Left, band)?,
+            self.bind(world, Eye::Right, band)?,
         ];
         let is_spread = scene.mode == Mode::Full;
         let largest = |eye| {
@@ -204,12 +239,11 @@ impl GpuRenderer {
                 pixels: vec![PixelTruth::NOTHING; i.width_px as usize * i.height_px as usize],
             }
         });
-        let mut times = Times::default();
         let mut read = |(eye, tile, submission): (Eye, &Tile, _), eyes: &mut [EyeFrame; 2]| {
             let width = tile.width as usize;
             let rows = tile.kept.start as usize * width..tile.kept.end as usize * width;
             let pixels = &mut eyes[eye as usize].pixels[rows];
-            buffers[eye as usize].read(&self.device, submission, tile, pixels, &mut times)
+            buffers[eye as usize].read(&self.device, submission, tile, pixels, times)
         };
         // While one eye's tile is read the other eye's is computed.
         let mut before: Option<(Eye, &Tile, wgpu::SubmissionIndex)> = None;
@@ -226,8 +260,7 @@ impl GpuRenderer {
         if let Some(pending) = before {
             read(pending, &mut eyes)?;
         }
-        self.spread(&scenes, &mut eyes, &mut times)?;
-        *self.times.lock().unwrap_or_else(PoisonError::into_inner) = times;
+        self.spread(&scenes, &mut eyes, times)?;
         progress(1.0);
         Ok(eyes)
     }
@@ -237,12 +270,6 @@ impl GpuRenderer {
 fn missing(scene: &Scene) -> Option<(&'static str, &'static str)> {
     let seabed = scene.seabed.as_ref();
     let features = [
-        (
-            "port",
-            Eye::BOTH
-                .iter()
-                .any(|&eye| scene.rig.eye(eye).port.is_some()),
-        ),
         ("[[occluder]]", !scene.occluders.is_empty()),
         ("[[prop]]", !scene.props.is_empty()),
         (

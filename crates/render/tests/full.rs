@@ -18,15 +18,6 @@ fn render(scene: &Scene) -> EyeFrame {
     CpuRenderer.render_eye(scene, Eye::Left, &|_| ()).unwrap()
 }
 
-/// A pair of every backend that this machine has.
-fn on_each(scene: &Scene) -> Vec<Frame> {
-    let cpu: Box<dyn Renderer> = Box::new(CpuRenderer);
-    let gpu = common::gpu().map(|gpu| -> Box<dyn Renderer> { Box::new(gpu) });
-    let all = core::iter::once(cpu).chain(gpu);
-    all.map(|renderer| renderer.render(scene, &|_| ()).unwrap())
-        .collect()
-}
-
 /// A lit rod over a floor in water of some type.
 fn lit(name: &str, shrink: u32) -> Scene {
     let mut scene = common::wet(shrink);
@@ -55,7 +46,7 @@ fn endless_card_arrives_whole() {
     scene.medium = water::by_name("1C").unwrap().medium();
     scene.rods.push(card(2.0, [1.0, 2.0, 3.0]));
     let wells = Wells::of(&scene.medium);
-    for (frame, k) in on_each(&scene)
+    for (frame, k) in common::on_each(&scene)
         .iter()
         .flat_map(|f| (0..3).map(move |k| (f, k)))
     {
@@ -122,7 +113,7 @@ fn frame_sum_is_preserved() {
         length_m: 0.3,
         ..common::flat_rod(Vec3::new(4.0, -0.5, -1.0), Vec3::y(), 0.1)
     });
-    for frame in on_each(&scene) {
+    for frame in common::on_each(&scene) {
         let sum = |channel: fn(&rodsight_render::PixelTruth) -> [f32; 3]| -> f64 {
             let pixels = frame.left.pixels.iter();
             pixels.map(|pixel| f64::from(channel(pixel)[1])).sum()
@@ -219,7 +210,7 @@ fn mirrored_scene_gives_mirrored_halos() {
         right,
         backend,
         ..
-    } in on_each(&scene)
+    } in common::on_each(&scene)
     {
         let all = left.pixels.iter().map(|pixel| pixel.forward[0]);
         let brightest = all.fold(0.0, f32::max);
@@ -249,7 +240,7 @@ fn halo_does_not_know_where_the_image_ends() {
     (i.cx_px, i.cy_px) = (i.cx_px - 40.0, i.cy_px - 16.0);
     part.rig.left.camera =
         rodsight_geometry::Camera::new(i, rodsight_geometry::Distortion::None).unwrap();
-    for (whole, part) in on_each(&scene).iter().zip(on_each(&part)) {
+    for (whole, part) in common::on_each(&scene).iter().zip(common::on_each(&part)) {
         let all = whole.left.pixels.iter().map(|pixel| pixel.forward[1]);
         let brightest = all.fold(0.0, f32::max);
         let off = places(&part.left).map(|(column, row)| {

@@ -11,7 +11,8 @@
 
 mod common;
 
-use rodsight_geometry::Eye;
+use rodsight_geometry::port::{DomePort, FlatPort, Port, PortShape, sea_water_index};
+use rodsight_geometry::{Eye, Vec3};
 use rodsight_render::{CpuRenderer, EyeFrame, Frame, PixelTruth, RenderError, Renderer};
 use rodsight_scene::{EdgeSampling, Mode, Scene};
 use rodsight_testkit::{Tolerance, compare_images};
@@ -185,8 +186,7 @@ fn compare(actual: &Frame, reference: &Frame, samples: f32) -> Result<String, St
 const SAMPLES: u32 = 55;
 
 /// Shipped scenes that the graphics backend refuses so far, each with a clear message: one that it draws after all must leave the list.
-const NOT_YET: [&str; 5] = [
-    "flat_port.toml",
+const NOT_YET: [&str; 4] = [
     "fouled_pipe.toml",
     "panel_handles.toml",
     "rocky_seabed.toml",
@@ -247,13 +247,41 @@ fn every_mode_and_lens_looks_the_same_on_both_backends() {
     }
 }
 
+/// Plates and domes, on one eye or on both, that part the bands or not.
+#[test]
+fn ports_look_the_same_on_both_backends() {
+    let shapes = [
+        PortShape::Flat(FlatPort {
+            normal: Vec3::new(0.1, -0.05, 1.0).normalize(),
+            distance_m: 0.05,
+            thickness_m: 0.01,
+        }),
+        PortShape::Dome(DomePort {
+            centre_m: Vec3::new(0.004, -0.006, 0.015),
+            inner_radius_m: 0.06,
+            thickness_m: 0.006,
+        }),
+    ];
+    for (shape, mode) in shapes.into_iter().zip([Mode::Single, Mode::Full]) {
+        for (index, both) in [([1.34; 3], false), (sea_water_index(35.0, 10.0), true)] {
+            let mut scene = common::crossing(8);
+            scene.mode = mode;
+            scene.ambient_radiance = [0.02, 0.03, 0.04];
+            let port = Some(Port::new(shape, 1.49, index).unwrap());
+            scene.rig.left.port = port;
+            scene.rig.right.port = port.filter(|_| both);
+            check(&format!("{mode:?} {shape:?} {index:?}"), &mut scene);
+        }
+    }
+}
+
 /// A beam too sharp for a table: each ray is summed.
 #[test]
 fn airlight_without_a_table_looks_the_same_on_both_backends() {
     let mut scene = common::crossing(8);
     for lamp in &mut scene.lamps {
         (lamp.inner_half_angle_rad, lamp.outer_half_angle_rad) = (0.3, 0.302);
-        lamp.direction = rodsight_geometry::Vec3::new(1.0, 0.1, 0.2).normalize();
+        lamp.direction = Vec3::new(1.0, 0.1, 0.2).normalize();
     }
     scene.sampling.airlight_points = 128;
     check("sharp beams", &mut scene);

@@ -80,9 +80,20 @@ pub(super) struct Camera {
 }
 
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub(super) struct Port {
+    pub(super) axis: Vec3f,
+    pub(super) inner_m: f32,
+    pub(super) thickness_m: f32,
+    pub(super) glass_index: f32,
+    pub(super) water_index: f32,
+}
+
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
 pub(super) struct Frame {
     pub(super) eye: Camera,
     pub(super) other: Camera,
+    pub(super) eye_port: Port,
+    pub(super) other_port: Port,
     pub(super) attenuation_per_m: Vec3f,
     pub(super) horizon_m: f32,
     pub(super) lamp_attenuation_per_m: Vec3f,
@@ -279,9 +290,21 @@ mod tests {
         );
         same!(
             &CENTRE,
+            Port {
+                axis,
+                inner_m,
+                thickness_m,
+                glass_index,
+                water_index
+            }
+        );
+        same!(
+            &CENTRE,
             Frame {
                 eye,
                 other,
+                eye_port,
+                other_port,
                 attenuation_per_m,
                 horizon_m,
                 lamp_attenuation_per_m,

@@ -26,17 +26,21 @@ pub(super) struct Variant {
     pub(super) mode: u32,
     pub(super) eye_lens: u32,
     pub(super) other_lens: u32,
+    pub(super) eye_port: u32,
+    pub(super) other_port: u32,
     pub(super) has_seabed: bool,
     pub(super) has_phase_table: bool,
     pub(super) has_airlight_table: bool,
 }
 
 impl Variant {
-    pub(super) fn constants(self) -> [(&'static str, f64); 6] {
+    pub(super) fn constants(self) -> [(&'static str, f64); 8] {
         [
             ("MODE", self.mode),
             ("EYE_LENS", self.eye_lens),
             ("OTHER_LENS", self.other_lens),
+            ("EYE_PORT", self.eye_port),
+            ("OTHER_PORT", self.other_port),
             ("HAS_SEABED", self.has_seabed.into()),
             ("PHASE_TABLE", self.has_phase_table.into()),
             ("AIRLIGHT_TABLE", self.has_airlight_table.into()),

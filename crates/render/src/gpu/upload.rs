@@ -2,6 +2,7 @@
 
 use encase::ShaderType;
 use encase::internal::WriteInto;
+use rodsight_geometry::port::{Band, PortShape};
 use rodsight_geometry::{Distortion, Eye, MountedCamera, Vec3};
 use rodsight_optics::{Phase, Wells};
 use rodsight_scene::{EdgeSampling, Material, Mode, Scene};
@@ -26,7 +27,9 @@ pub(super) struct Upload {
 }
 
 impl Upload {
-    pub(super) fn new(world: &World<'_>, eye: Eye) -> Self {
+    /// The scene as one band of light shows it to an eye.
+    pub(super) fn new(world: &World<'_>, eye: Eye, band: Band) -> Self {
+        let mounted = &world.scene.rig.eye(eye).in_band(band);
         let origin_m = world.scene.rig.eye(eye).rig_from_camera.origin_m();
         let rods: Vec<layout::Rod> = world
             .scene
@@ -71,7 +74,7 @@ impl Upload {
             .map(Vec2f::from)
             .collect();
         let (lobes, phase) = phase(world.scene.medium.phase());
-        let grid = AirlightGrid::new(world, world.scene.rig.eye(eye));
+        let grid = AirlightGrid::new(world, mounted);
         let airlight: Vec<Vec4f> = grid
             .knots
             .iter()
@@ -91,6 +94,7 @@ impl Upload {
             grid_steps: STEPS as u32,
             grid_half_way_m: grid.half_way_m as f32,
             grid_scale: grid.scale.into(),
+            eye_port: port(mounted),
             ..frame(world, eye)
         };
         let mut bytes = encase::UniformBuffer::new(Vec::new());
@@ -136,6 +140,11 @@ fn variant(scene: &Scene, eye: Eye) -> Variant {
         Distortion::BrownConrady(_) => 1,
         Distortion::KannalaBrandt(_) => 2,
     };
+    let glass = |eye| match scene.rig.eye(eye).port.map(|port| *port.shape()) {
+        None => 0,
+        Some(PortShape::Flat(_)) => 1,
+        Some(PortShape::Dome(_)) => 2,
+    };
     Variant {
         mode: match scene.mode {
             Mode::Air => 0,
@@ -145,6 +154,8 @@ fn variant(scene: &Scene, eye: Eye) -> Variant {
         },
         eye_lens: lens(eye),
         other_lens: lens(eye.other()),
+        eye_port: glass(eye),
+        other_port: glass(eye.other()),
         has_seabed: scene.seabed.is_some(),
         ..Variant::default()
     }
@@ -159,6 +170,7 @@ fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
     layout::Frame {
         eye: camera(mounted, &origin_m),
         other: camera(other, &origin_m),
+        other_port: port(other),
         attenuation_per_m: world.attenuation_per_m.into(),
         horizon_m: world.horizon_m as f32,
         lamp_attenuation_per_m: world.lamp_attenuation_per_m.into(),
@@ -210,6 +222,24 @@ fn camera(mounted: &MountedCamera, from_m: &Vec3) -> layout::Camera {
         p: p.into(),
         fold: mounted.camera.fold().min(1e30) as f32,
         size_px: [f64::from(i.width_px), f64::from(i.height_px)].into(),
+    }
+}
+
+/// The glass before a camera, in green; all zero without one.
+fn port(mounted: &MountedCamera) -> layout::Port {
+    let Some(port) = &mounted.port else {
+        return layout::Port::default();
+    };
+    let (axis, inner_m, thickness_m) = match *port.shape() {
+        PortShape::Flat(flat) => (flat.normal, flat.distance_m, flat.thickness_m),
+        PortShape::Dome(dome) => (dome.centre_m, dome.inner_radius_m, dome.thickness_m),
+    };
+    layout::Port {
+        axis: axis.into(),
+        inner_m: inner_m as f32,
+        thickness_m: thickness_m as f32,
+        glass_index: port.glass_index() as f32,
+        water_index: port.water_index()[Band::Green.index()] as f32,
     }
 }
 

@@ -255,3 +255,13 @@ pub fn shrunk(mut scene: Scene, shrink: u32) -> Scene {
     }
     scene
 }
+
+/// A pair of every backend that this machine has.
+pub fn on_each(scene: &Scene) -> Vec<rodsight_render::Frame> {
+    use rodsight_render::{CpuRenderer, Renderer};
+    let cpu: Box<dyn Renderer> = Box::new(CpuRenderer);
+    let gpu = gpu().map(|gpu| -> Box<dyn Renderer> { Box::new(gpu) });
+    let all = core::iter::once(cpu).chain(gpu);
+    all.map(|renderer| renderer.render(scene, &|_| ()).unwrap())
+        .collect()
+}

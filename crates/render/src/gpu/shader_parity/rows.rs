@@ -3,6 +3,7 @@
 mod camera;
 mod halo;
 mod light;
+mod port;
 mod solid;
 
 use super::Row;
@@ -14,6 +15,7 @@ pub(super) fn all() -> Vec<Row> {
     rows.extend(solid::rows());
     rows.extend(light::rows());
     rows.extend(halo::rows());
+    rows.extend(port::rows());
     rows
 }
 
