@@ -1,11 +1,11 @@
 //! Ground-truth stereo pairs of rods under water.
 //!
 //! [`Renderer::render`] takes a validated [`Scene`] to a [`Frame`]: linear radiance with every truth channel, per eye.
-//! [`expose`] does so as often as aperture and motion ask for. [`develop`] turns radiance into the images a sensor would give, [`Truth::of`] writes down what is to be found in them, and
-//! [`write_pair`] puts all of it on disk.
+//! [`expose`] does so as often as aperture and motion ask for, [`render_sequence`] for many scenes at a time. [`develop`] turns radiance
+//! into the images a sensor would give, [`Truth::of`] writes down what is to be found in them, and [`write_pair`] puts all of it on disk.
 //!
 //! Every sample is a camera ray; rods are analytic capped cylinders, never tessellated, so that a label and its image agree to
-//! the last hundredth of a pixel. The only backend in this version is [`CpuRenderer`], `f64`, the reference for all others.
+//! the last hundredth of a pixel. [`CpuRenderer`], `f64`, is the reference for [`GpuRenderer`].
 
 mod bvh;
 mod cpu;
@@ -19,6 +19,7 @@ mod lattice;
 mod lens;
 mod noise;
 mod pair;
+mod sequence;
 mod srgb;
 mod strew;
 mod truth;
@@ -34,6 +35,7 @@ pub use image_file::{read_image, write_image, write_jpeg};
 pub use lattice::edge_offsets;
 pub use noise::Philox;
 pub use pair::{PairPaths, write_pair};
+pub use sequence::render_sequence;
 pub use srgb::{srgb_decode, srgb_encode};
 pub use truth::{
     BeyondModelTruth, ConeTruth, EyeTruth, GraspTruth, LineTruth, RodTruth, Truth, WaterTruth,

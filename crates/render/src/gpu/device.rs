@@ -210,7 +210,8 @@ impl Gpu {
         self.device
             .poll(wgpu::PollType::Poll)
             .map_err(|error| failed(&error))?;
-        told.try_recv()
+        // It may be another thread's poll that found this buffer ready and is about to say so.
+        told.recv_timeout(LONGEST_WAIT)
             .map_err(|error| failed(&error))?
             .map_err(|error| failed(&error))?;
         let view = buffer
