@@ -24,6 +24,7 @@ mod gloss;
 mod medium;
 mod nnls;
 mod phase;
+mod sphere;
 pub mod water;
 mod wells;
 
@@ -31,6 +32,7 @@ pub use airlight::{Airlight, EquiAngular, Node};
 pub use gloss::{Coat, Cosines};
 pub use medium::{Medium, MediumError, transmittance};
 pub use phase::{Lobe, Phase, PhaseError};
+pub use sphere::sphere_share;
 pub use wells::{ForwardLobe, Halo, Wells, width_px};
 
 /// One value per band: red (600 nm), green (525 nm), blue (475 nm).

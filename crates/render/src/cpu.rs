@@ -15,6 +15,7 @@ pub(crate) mod plane;
 pub(crate) mod rod;
 pub(crate) mod seabed;
 pub(crate) mod shadow;
+pub(crate) mod snow;
 pub(crate) mod solid;
 pub(crate) mod texture;
 pub(crate) mod triangles;
@@ -163,7 +164,7 @@ impl<'a> Caster<'a> {
         let depths: Vec<f32> = pixels.iter().map(|pixel| pixel.range_m).collect();
         let pattern = self.world.scene.sampling.edge;
         let offsets = edge_offsets(pattern);
-        let mixed: Vec<Mixed> = pixels
+        let mut mixed: Vec<Mixed> = pixels
             .par_chunks_mut(width)
             .enumerate()
             .map(|(row, pixels)| {
@@ -187,6 +188,7 @@ impl<'a> Caster<'a> {
                 mixed
             })
             .collect();
+        self.compose_snow(&mut pixels, &mut mixed);
         if let Some(halo) = &self.halo {
             let spread = Sources {
                 width,

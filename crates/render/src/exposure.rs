@@ -57,14 +57,17 @@ fn gather(sum: &mut EyeFrame, one: Option<&EyeFrame>, share: f32) {
         .enumerate()
         .for_each(|(index, pixel)| {
             let mut other = one.map_or(*pixel, |eye| eye.pixels[index]);
+            let add = |sum: &mut f32, light: f32| {
+                let before = if one.is_some() { *sum } else { 0.0 };
+                *sum = before + share * light;
+            };
             for field in light_fields() {
                 let light = *field(&mut other);
-                let sum = field(pixel);
-                for k in 0..3 {
-                    let before = if one.is_some() { sum[k] } else { 0.0 };
-                    sum[k] = before + share * light[k];
+                for (sum, light) in field(pixel).iter_mut().zip(light) {
+                    add(sum, light);
                 }
             }
+            add(&mut pixel.snow_cover, other.snow_cover);
         });
 }
 

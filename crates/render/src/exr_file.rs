@@ -25,16 +25,18 @@ type Triple = (
 type Scalar = (&'static str, fn(&mut PixelTruth) -> &mut f32);
 
 /// The one list of floating-point channels: writer and reader both go by it. Radiance is plain R, G, B, as viewers expect.
-const TRIPLES: [Triple; 7] = [
+const TRIPLES: [Triple; 8] = [
     ("", BANDS, |p| &mut p.radiance),
     ("direct.", BANDS, |p| &mut p.direct),
     ("forward.", BANDS, |p| &mut p.forward),
     ("backscatter.", BANDS, |p| &mut p.backscatter),
+    ("snow.", BANDS, |p| &mut p.snow),
     ("clean.", BANDS, |p| &mut p.clean),
     ("transmission.", BANDS, |p| &mut p.transmission),
     ("normal.", AXES, |p| &mut p.normal),
 ];
-const SCALARS: [Scalar; 3] = [
+const SCALARS: [Scalar; 4] = [
+    ("snow_cover", |p| &mut p.snow_cover),
     ("depth_m", |p| &mut p.depth_m),
     ("range_m", |p| &mut p.range_m),
     ("disparity_px", |p| &mut p.disparity_px),

@@ -68,6 +68,7 @@ impl EyeFrame {
             mine.direct[band] = theirs.direct[band];
             mine.forward[band] = theirs.forward[band];
             mine.backscatter[band] = theirs.backscatter[band];
+            mine.snow[band] = theirs.snow[band];
             mine.clean[band] = theirs.clean[band];
             mine.transmission[band] = theirs.transmission[band];
         }
@@ -79,7 +80,7 @@ impl EyeFrame {
 /// widening of the pencil by n² are in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelTruth {
-    /// Radiance that reaches the lens, W m⁻² sr⁻¹ per band: `direct + forward + backscatter`.
+    /// Radiance that reaches the lens, W m⁻² sr⁻¹ per band: `direct + forward + backscatter + snow`.
     pub radiance: [f32; 3],
     /// Light from the surface that was not scattered, W m⁻² sr⁻¹.
     pub direct: [f32; 3],
@@ -87,10 +88,14 @@ pub struct PixelTruth {
     pub forward: [f32; 3],
     /// Light scattered by the water on its way from lamps and ambient, W m⁻² sr⁻¹.
     pub backscatter: [f32; 3],
+    /// Light of marine snow that was not scattered, W m⁻² sr⁻¹; what was is in `forward`.
+    pub snow: [f32; 3],
     /// The same surface without water, W m⁻² sr⁻¹.
     pub clean: [f32; 3],
     /// Beam transmission from the surface to the lens, [0, 1]; 0 where there is no surface.
     pub transmission: [f32; 3],
+    /// Share of the pixel that marine snow covers, [0, 1]. All geometry is that of the surface behind it.
+    pub snow_cover: f32,
     /// Unit normal of the surface in the camera frame, as light sees it (rounded on meshes, rippled on the seabed); zero where there is none.
     pub normal: [f32; 3],
     /// z in the camera frame, m; +∞ where there is no surface.
@@ -116,8 +121,10 @@ impl PixelTruth {
         direct: [0.0; 3],
         forward: [0.0; 3],
         backscatter: [0.0; 3],
+        snow: [0.0; 3],
         clean: [0.0; 3],
         transmission: [0.0; 3],
+        snow_cover: 0.0,
         normal: [0.0; 3],
         depth_m: f32::INFINITY,
         range_m: f32::INFINITY,
@@ -130,7 +137,8 @@ impl PixelTruth {
 
     /// Makes the radiance that of its parts.
     pub(crate) fn sum_radiance(&mut self) {
-        let [direct, forward, back] = [self.direct, self.forward, self.backscatter];
-        self.radiance = core::array::from_fn(|k| direct[k] + forward[k] + back[k]);
+        let [direct, forward, back, snow] =
+            [self.direct, self.forward, self.backscatter, self.snow];
+        self.radiance = core::array::from_fn(|k| direct[k] + forward[k] + back[k] + snow[k]);
     }
 }

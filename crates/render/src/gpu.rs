@@ -270,6 +270,7 @@ impl GpuRenderer {
 fn missing(scene: &Scene) -> Option<(&'static str, &'static str)> {
     let seabed = scene.seabed.as_ref();
     let features = [
+        ("[snow]", scene.snow.is_some()),
         ("[[occluder]]", !scene.occluders.is_empty()),
         ("[[prop]]", !scene.props.is_empty()),
         (

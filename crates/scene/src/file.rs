@@ -15,7 +15,7 @@ pub use content::{
 };
 pub use sensor::{EmvaEntry, PlainSensorEntry, SensorEntry};
 
-use crate::{Lens, Mode, MotionEntry, Output};
+use crate::{Lens, Mode, MotionEntry, Output, Snow};
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
@@ -66,6 +66,9 @@ pub struct SceneFile {
     /// The sea floor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seabed: Option<SeabedEntry>,
+    /// Marine snow.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub snow: Option<Snow>,
     /// What is to be grasped.
     pub target: TargetEntry,
     /// Radiance to digital numbers.

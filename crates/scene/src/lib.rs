@@ -25,6 +25,7 @@ mod parts;
 mod placement;
 mod resolve;
 mod rod;
+mod snow;
 mod write;
 
 pub use camera::{
@@ -45,6 +46,8 @@ pub use model::{
 };
 pub use model::{Clutter, Finish, Fouling, Gloss, Grain, Occluder, Prop, PropFrame, Ripples};
 pub use model::{Shape, Stripes};
+
+pub use snow::Snow;
 
 /// The JSON Schema of scene files, for editors.
 pub fn scene_json_schema() -> schemars::Schema {

@@ -10,7 +10,7 @@ use rodsight_optics::{Bands, Medium};
 pub use content::{Clutter, Finish, Fouling, Gloss, Grain, Occluder, Prop, PropFrame, Ripples};
 pub use content::{Shape, Stripes};
 
-use crate::{Bayer, Lens, Motion, Output};
+use crate::{Bayer, Lens, Motion, Output, Snow};
 
 /// A scene, ready to be rendered.
 #[derive(Clone, Debug)]
@@ -41,6 +41,8 @@ pub struct Scene {
     pub props: Vec<Prop>,
     /// The sea floor.
     pub seabed: Option<Seabed>,
+    /// Marine snow.
+    pub snow: Option<Snow>,
     /// Radiance to digital numbers.
     pub exposure: Exposure,
     /// Gains of the bands after the sensor, at least 1: what makes the lamps' light white.

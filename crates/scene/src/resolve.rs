@@ -113,6 +113,7 @@ impl SceneFile {
             occluders,
             props,
             seabed: self.seabed.map(|s| s.to_seabed(&no)).transpose()?,
+            snow: self.snow.map(|snow| snow.checked(&no)).transpose()?,
             exposure: self.exposure.to_exposure(&no)?,
             white_balance: no.bands(
                 "white_balance",

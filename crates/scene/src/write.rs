@@ -51,6 +51,7 @@ impl SceneFile {
                 ripples: seabed.ripples.map(RipplesEntry::from_ripples),
                 clutter: seabed.clutter.map(ClutterEntry::from_clutter),
             }),
+            snow: scene.snow,
             target: TargetEntry {
                 rod: scene.rods[scene.target.rod].id.clone(),
                 along_m: Some(scene.target.along_m),

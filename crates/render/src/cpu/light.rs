@@ -117,7 +117,7 @@ impl World<'_> {
         surface
     }
 
-    fn is_blocked(&self, lamp_m: &Vec3, direction: &Vec3, distance_m: f64) -> bool {
+    pub(super) fn is_blocked(&self, lamp_m: &Vec3, direction: &Vec3, distance_m: f64) -> bool {
         let ray = Ray {
             origin_m: *lamp_m,
             direction: *direction,
@@ -163,7 +163,7 @@ impl World<'_> {
 
     /// The veil of the ambient light: B∞ (1 − e^(−c z)) with B∞ = b L / c. In mode `full` K and b(1 − ⟨cos θ⟩) stand for c and b: light
     /// scattered forwards stays what it was.
-    fn veil(&self, distance_m: f64) -> Bands {
+    pub(super) fn veil(&self, distance_m: f64) -> Bands {
         let (c, b) = (&self.lamp_attenuation_per_m, &self.scattering_per_m);
         let ambient = &self.scene.ambient_radiance;
         if self.scene.mode == Mode::Air || *ambient == [0.0; 3] {

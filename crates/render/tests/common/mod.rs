@@ -57,6 +57,7 @@ pub fn empty(shrink: u32) -> Scene {
         occluders: Vec::new(),
         props: Vec::new(),
         seabed: None,
+        snow: None,
         exposure: Exposure::Fixed(1.0),
         white_balance: [1.0; 3],
         colour_matrix: None,
@@ -155,7 +156,7 @@ pub fn orange_rod(centre_m: Vec3, direction: Vec3, radius_m: f64) -> Rod {
 }
 
 /// Every number of a pixel.
-pub fn numbers(p: &rodsight_render::PixelTruth) -> [f32; 28] {
+pub fn numbers(p: &rodsight_render::PixelTruth) -> [f32; 32] {
     let triples = [
         p.radiance,
         p.direct,
@@ -164,12 +165,13 @@ pub fn numbers(p: &rodsight_render::PixelTruth) -> [f32; 28] {
         p.clean,
         p.transmission,
         p.normal,
+        p.snow,
     ];
-    let mut all = [0.0; 28];
+    let mut all = [0.0; 32];
     for (three, values) in all.chunks_exact_mut(3).zip(triples) {
         three.copy_from_slice(&values);
     }
-    all[21..].copy_from_slice(&[
+    all[24..].copy_from_slice(&[
         p.depth_m,
         p.range_m,
         p.disparity_px,
@@ -177,6 +179,7 @@ pub fn numbers(p: &rodsight_render::PixelTruth) -> [f32; 28] {
         f32::from(p.material),
         f32::from(u8::from(p.occluded)),
         f32::from(u8::from(p.beyond_model)),
+        p.snow_cover,
     ]);
     all
 }
