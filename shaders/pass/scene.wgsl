@@ -72,6 +72,7 @@ struct Frame {
     lobes: array<vec4<f32>, 4>,
     /// Of c, what the halo gives back.
     regained_per_m: vec3<f32>,
+    snow_albedo: vec3<f32>,
     /// 1 for the left eye, -1 for the right one: disparity is left minus right.
     disparity_sign: f32,
 }

@@ -9,6 +9,7 @@ struct Tile {
     /// Of its rows, those whose pixels are kept.
     kept_from: u32,
     kept_to: u32,
+    has_snow: u32,
 }
 
 /// What must be alike in neighbouring pixels for one sample to do: instance, cap, grazing limb (`key`), lamps, range.
@@ -22,7 +23,8 @@ const TAG_OCCLUDED: u32 = 0x20000u;
 @group(1) @binding(0) var<uniform> tile: Tile;
 /// key, lamps, range (bits of f32), place among the edges, counted from 1.
 @group(1) @binding(1) var<storage, read_write> keys: array<u32>;
-/// direct, backscatter, clean, and in mode `full` what arrives scattered, before it is spread: three bands each.
+/// direct, backscatter, clean, then in mode `full` what arrives scattered, before it is spread, then snow: three bands each; and the
+/// share of the pixel that snow covers.
 @group(1) @binding(2) var<storage, read_write> light: array<f32>;
 /// transmission (3), normal (3), depth, range, disparity, tag (bits of u32).
 @group(1) @binding(3) var<storage, read_write> surface: array<f32>;
@@ -46,4 +48,13 @@ fn tile_store_surface(first: u32, pixel: u32, value: vec3<f32>) {
     surface[first * pixels + pixel] = value.x;
     surface[(first + 1u) * pixels + pixel] = value.y;
     surface[(first + 2u) * pixels + pixel] = value.z;
+}
+
+fn tile_light(first: u32, pixel: u32) -> vec3<f32> {
+    let pixels = tile.width * tile.rows;
+    return vec3<f32>(
+        light[first * pixels + pixel],
+        light[(first + 1u) * pixels + pixel],
+        light[(first + 2u) * pixels + pixel],
+    );
 }

@@ -89,16 +89,20 @@ fn water_knots(corner: u32, step: f32, weights: vec4<f32>) -> vec3<f32> {
         + weights.z * airlight[knot + 2u].xyz + weights.w * airlight[knot + 3u].xyz;
 }
 
+/// The veil of the ambient light: B∞ (1 - e^(-K z)) with B∞ = b L / K.
+fn water_veil(distance_m: f32) -> vec3<f32> {
+    let k = frame.lamp_attenuation_per_m;
+    let share = select(vec3<f32>(0.0), frame.veil_scattering_per_m / max(k, vec3<f32>(1e-30)), k > vec3<f32>(0.0));
+    return share * frame.ambient_radiance * maths_rise(k * min(distance_m, 1e30));
+}
+
 /// Light the water scatters into the first `distance_m` of the ray through a pixel (`SOLID_NONE_M` where there is no surface), at the
 /// lens.
 fn water_backscatter(ray: EyeRay, pixel: vec2<f32>, distance_m: f32) -> vec3<f32> {
     if MODE == MODE_AIR {
         return vec3<f32>(0.0);
     }
-    let k = frame.lamp_attenuation_per_m;
-    // B∞ (1 - e^(-K z)) with B∞ = b L / K.
-    let share = select(vec3<f32>(0.0), frame.veil_scattering_per_m / max(k, vec3<f32>(1e-30)), k > vec3<f32>(0.0));
-    let veil = share * frame.ambient_radiance * maths_rise(k * min(distance_m, 1e30));
+    let veil = water_veil(distance_m);
     if MODE == MODE_KOSCHMIEDER {
         return ray.gain * veil;
     }

@@ -2,13 +2,12 @@
 
 const RUN_PX: u32 = 16u;
 
-/// The part of a pixel's light that a width has.
-fn weigh_pixel(at: u32, pixel: u32) -> vec3<f32> {
+/// The part of the light of a pixel's surfaces that a width has.
+fn weigh_surfaces(at: u32, pixel: u32) -> vec3<f32> {
     let pixels = tile.width * tile.rows;
     let place = keys[3u * pixels + pixel];
     if place == 0u {
-        let scattered = vec3<f32>(light[9u * pixels + pixel], light[10u * pixels + pixel], light[11u * pixels + pixel]);
-        return halo_shared(at, vec4<f32>(scattered, surface[7u * pixels + pixel]));
+        return halo_shared(at, vec4<f32>(tile_light(9u, pixel), surface[7u * pixels + pixel]));
     }
     var sum = vec3<f32>(0.0);
     for (var i = 0u; i < THINGS; i++) {
@@ -17,6 +16,20 @@ fn weigh_pixel(at: u32, pixel: u32) -> vec3<f32> {
             break;
         }
         sum += halo_shared(at, source);
+    }
+    return sum;
+}
+
+/// And of its snow's.
+fn weigh_snow(at: u32, column: u32, image_row: u32) -> vec3<f32> {
+    let pairs = snow_of(column, image_row);
+    var sum = vec3<f32>(0.0);
+    for (var i = pairs.x; i < pairs.y; i++) {
+        let pair = snow_pairs[i];
+        if pair.lit > 0.0 {
+            let flake = flakes[pair.flake];
+            sum += halo_shared(at, vec4<f32>(pair.lit * flake.scattered, flake.range_m));
+        }
     }
     return sum;
 }
@@ -32,7 +45,7 @@ fn weigh(@builtin(global_invocation_id) id: vec3<u32>) {
     let its = halo.levels[id.z];
     var sum = vec3<f32>(0.0);
     for (var column = start; column < min(start + RUN_PX, tile.width); column++) {
-        let value = weigh_pixel(id.z, row * tile.width + column);
+        let value = weigh_surfaces(id.z, row * tile.width + column) + weigh_snow(id.z, column, image_row);
         if id.z < FINE {
             halo_store_fine(id.z, vec2<i32>(vec2<u32>(column, image_row)), value);
             continue;

@@ -57,6 +57,10 @@ pub const AIRLIGHT: Part = part!("lib/airlight.wgsl");
 pub const AIRLIGHT_GRID: Part = part!("lib/airlight_grid.wgsl");
 /// Shadows in the water; needs [`SOLID`].
 pub const SHADOW: Part = part!("lib/shadow.wgsl");
+/// Pixels under discs; needs [`MATHS`].
+pub const DISC: Part = part!("lib/disc.wgsl");
+/// Matt spheres; needs [`MATHS`].
+pub const SPHERE: Part = part!("lib/sphere.wgsl");
 /// Light scattered forwards; needs [`MATHS`] and [`MEDIUM`].
 pub const HALO: Part = part!("lib/halo.wgsl");
 
@@ -75,6 +79,8 @@ pub const LIB: &[Part] = &[
     AIRLIGHT,
     AIRLIGHT_GRID,
     SHADOW,
+    DISC,
+    SPHERE,
     HALO,
 ];
 
@@ -82,6 +88,7 @@ const SCENE: Part = part!("pass/scene.wgsl");
 const EYE: Part = part!("pass/eye.wgsl");
 const WATER: Part = part!("pass/water.wgsl");
 const TILE: Part = part!("pass/tile.wgsl");
+const SNOW: Part = part!("pass/snow.wgsl");
 const HALO_LEVELS: Part = part!("pass/halo.wgsl");
 const HALO_IMAGE: Part = part!("pass/halo_image.wgsl");
 const HALO_BLUR: Part = part!("pass/halo_blur.wgsl");
@@ -167,6 +174,59 @@ pub const REFINE: Pass = Pass {
     ],
 };
 
+/// The light of particles of snow.
+pub const FLAKES: Pass = Pass {
+    name: "light_flakes",
+    parts: &[
+        MATHS,
+        LATTICE,
+        CAMERA,
+        PORT,
+        SOLID,
+        BVH,
+        SEABED,
+        MEDIUM,
+        LIGHT,
+        SHADOW,
+        SPHERE,
+        HALO,
+        SCENE,
+        EYE,
+        TILE,
+        SNOW,
+        part!("pass/flakes.wgsl"),
+    ],
+};
+
+/// Snow before surfaces.
+pub const COMPOSE: Pass = Pass {
+    name: "compose",
+    parts: &[
+        MATHS,
+        LATTICE,
+        CAMERA,
+        PORT,
+        SOLID,
+        BVH,
+        SEABED,
+        MEDIUM,
+        PHASE,
+        LIGHT,
+        AIRLIGHT,
+        AIRLIGHT_GRID,
+        SHADOW,
+        DISC,
+        SPHERE,
+        HALO,
+        SCENE,
+        EYE,
+        WATER,
+        TILE,
+        SNOW,
+        part!("pass/compose.wgsl"),
+    ],
+};
+
 /// The light of a tile's pixels by the widths of the halo.
 pub const WEIGH: Pass = Pass {
     name: "weigh",
@@ -175,6 +235,7 @@ pub const WEIGH: Pass = Pass {
         MEDIUM,
         HALO,
         TILE,
+        SNOW,
         HALO_LEVELS,
         HALO_IMAGE,
         part!("pass/weigh.wgsl"),
@@ -267,6 +328,8 @@ pub const PASSES: &[Pass] = &[
     BACKSCATTER,
     MARK,
     REFINE,
+    FLAKES,
+    COMPOSE,
     WEIGH,
     OVERSCAN,
     FAR,

@@ -9,11 +9,12 @@ mod layout;
 mod passes;
 #[cfg(test)]
 mod shader_parity;
+mod snow;
 mod tile;
 mod timer;
 mod upload;
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rodsight_geometry::{Band, Eye};
 use rodsight_scene::{Finish, Mode, Scene};
@@ -26,6 +27,7 @@ use crate::{RenderError, Renderer};
 use device::Gpu;
 use halo::HaloEye;
 use passes::{Passes, Pipelines};
+use snow::Snow;
 use tile::{Tile, TileBuffers};
 use timer::{TIMED, Times};
 use upload::Upload;
@@ -40,6 +42,7 @@ struct SceneBuffers {
     pipelines: Pipelines,
     /// In mode `full`.
     halo: Option<HaloEye>,
+    snow: Option<(Snow, Arc<[wgpu::ComputePipeline; 2]>)>,
 }
 
 /// The renderer on a graphics card, or on a software driver for one.
@@ -77,7 +80,7 @@ impl GpuRenderer {
     }
 
     /// How long each pass of the last pair took on the adapter, s, both eyes together; zeros where the adapter does not tell the time.
-    pub fn stage_times_s(&self) -> [(&'static str, f64); 6] {
+    pub fn stage_times_s(&self) -> [(&'static str, f64); 7] {
         let times = *self.times.lock().unwrap_or_else(PoisonError::into_inner);
         core::array::from_fn(|stage| (TIMED[stage], times[stage]))
     }
@@ -127,9 +130,13 @@ impl GpuRenderer {
         );
         let buffers: Vec<&wgpu::Buffer> = buffers.iter().collect();
         let layout = &self.passes.scene;
+        let mounted = world.scene.rig.eye(eye).in_band(band);
+        let snow = Snow::new(&self.device, world, &mounted)?;
+        let snow = snow
+            .is_there()
+            .then(|| (snow, self.passes.snow(&self.device, upload.variant)));
         let halo = (world.scene.mode == Mode::Full).then(|| {
             let passes = self.passes.halo(&self.device);
-            let mounted = world.scene.rig.eye(eye).in_band(band);
             HaloEye::new(
                 &self.device,
                 passes,
@@ -143,6 +150,7 @@ impl GpuRenderer {
             group: tile::bind_group(&self.device.device, "scene", layout, &buffers),
             pipelines: self.passes.of(&self.device, upload.variant),
             halo: halo.transpose()?,
+            snow,
         })
     }
 
@@ -156,6 +164,9 @@ impl GpuRenderer {
         buffers.prepare(&self.device, tile);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         passes::encode(&mut encoder, scene, buffers, tile);
+        if let Some((snow, pipelines)) = &scene.snow {
+            snow.encode(&mut encoder, pipelines, &scene.group, buffers, tile);
+        }
         if let Some(halo) = &scene.halo {
             halo.encode_weigh(&mut encoder, self.passes.halo(&self.device), buffers, tile);
         }
@@ -229,8 +240,11 @@ impl GpuRenderer {
             let of_eye = tiles.iter().filter(|(e, _)| *e == eye);
             of_eye.map(|(_, tile)| tile.pixels()).max().unwrap_or(0)
         };
-        let buffers = Eye::BOTH
-            .map(|eye| TileBuffers::new(&self.device, &self.passes, largest(eye), is_spread));
+        let buffers = Eye::BOTH.map(|eye| {
+            let snow = scenes[eye as usize].snow.as_ref().map(|(snow, _)| snow);
+            let device = &self.device;
+            TileBuffers::new(device, &self.passes, largest(eye), is_spread, snow)
+        });
         let mut eyes = Eye::BOTH.map(|eye| {
             let i = scene.rig.eye(eye).camera.intrinsics();
             EyeFrame {
@@ -270,7 +284,6 @@ impl GpuRenderer {
 fn missing(scene: &Scene) -> Option<(&'static str, &'static str)> {
     let seabed = scene.seabed.as_ref();
     let features = [
-        ("[snow]", scene.snow.is_some()),
         ("[[occluder]]", !scene.occluders.is_empty()),
         ("[[prop]]", !scene.props.is_empty()),
         (

@@ -4,13 +4,14 @@
 //! particles, and none is kept that is not in view. A particle covers the share of each pixel that its disc covers, exactly, be it
 //! smaller than a pixel or larger; what it covers, it hides. An open aperture widens the disc and thins it out.
 
-mod disc;
+pub(crate) mod disc;
+pub(crate) mod place;
 mod strew;
 
 use rayon::prelude::*;
 use rodsight_geometry::{Pixel, Vec3};
 use rodsight_optics::{Bands, sphere_share, transmittance};
-use rodsight_scene::{Mode, Snow};
+use rodsight_scene::Mode;
 
 use super::Caster;
 use super::halo::{Mixed, Scattered};
@@ -18,7 +19,7 @@ use super::light::cone;
 use super::solid::Ray;
 use crate::frame::PixelTruth;
 use disc::area_in_disc;
-use strew::Particle;
+use place::Place;
 
 /// Rows of a piece of work.
 const ROWS: usize = 16;
@@ -29,16 +30,8 @@ const LEAST_COVER: f64 = 1e-9;
 
 /// A particle as an eye sees it: all that compositing needs.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Flake {
-    /// Its centre in the image.
-    at_px: [f64; 2],
-    /// From steps of a column and of a row to units of its disc's radius.
-    disc_per_px: [[f64; 2]; 2],
-    /// How far the disc reaches in columns and rows.
-    half_px: [f64; 2],
-    /// Of the disc: 1, or less where blur has widened it.
-    opacity: f64,
-    range_m: f64,
+struct Flake {
+    place: Place,
     /// Mean radiance of the disc at the lens that came unscattered, W m⁻² sr⁻¹.
     direct: Bands,
     /// And scattered forwards on the way.
@@ -52,10 +45,10 @@ pub(super) struct Flake {
 impl Flake {
     /// Share of a pixel that it covers.
     fn cover(&self, column: usize, row: usize) -> f64 {
-        let [[a, b], [c, d]] = self.disc_per_px;
+        let [[a, b], [c, d]] = self.place.disc_per_px;
         let corner = |right: f64, down: f64| {
-            let x = column as f64 + right - self.at_px[0];
-            let y = row as f64 + down - self.at_px[1];
+            let x = column as f64 + right - self.place.at_px[0];
+            let y = row as f64 + down - self.place.at_px[1];
             [a * x + b * y, c * x + d * y]
         };
         let corners = [
@@ -64,7 +57,7 @@ impl Flake {
             corner(1.0, 1.0),
             corner(0.0, 1.0),
         ];
-        self.opacity * (area_in_disc(&corners) / (a * d - b * c)).clamp(0.0, 1.0)
+        self.place.opacity * (area_in_disc(&corners) / (a * d - b * c)).clamp(0.0, 1.0)
     }
 
     /// Its radiance in a pixel over its mean: a ball lit from one side, n·l over the mean of that.
@@ -72,10 +65,10 @@ impl Flake {
         if self.shading == 0.0 {
             return 1.0;
         }
-        let [[a, b], [c, d]] = self.disc_per_px;
+        let [[a, b], [c, d]] = self.place.disc_per_px;
         let (u, v) = (
-            column as f64 + 0.5 - self.at_px[0],
-            row as f64 + 0.5 - self.at_px[1],
+            column as f64 + 0.5 - self.place.at_px[0],
+            row as f64 + 0.5 - self.place.at_px[1],
         );
         let (x, y) = (a * u + b * v, c * u + d * v);
         // A pixel that the limb crosses may have its middle outside.
@@ -86,105 +79,41 @@ impl Flake {
         let lit = (x * lx + y * ly + z * lz).max(0.0) / sphere_share(lz).max(1e-3);
         1.0 + self.shading * (lit - 1.0)
     }
-
-    /// The rows or columns it touches, of so many.
-    fn span(&self, axis: usize, size: usize) -> core::ops::Range<usize> {
-        let [from, to] = [-1.0, 1.0].map(|side| self.at_px[axis] + side * self.half_px[axis]);
-        let last = libm::ceil(to).clamp(0.0, size as f64) as usize;
-        (from.max(0.0) as usize).min(last)..last
-    }
-
-    /// Smaller than a pixel, so that one ray tells whether it is hidden.
-    fn is_small(&self) -> bool {
-        self.half_px[0].max(self.half_px[1]) < 1.0
-    }
 }
 
 impl Caster<'_> {
     /// The particles that this eye sees, nearest first.
     fn flakes(&self) -> Vec<Flake> {
-        let scene = self.world.scene;
-        let Some(snow) = scene.snow.filter(|_| scene.mode != Mode::Air) else {
+        let Some(snow) = place::of_scene(self.world.scene) else {
             return Vec::new();
         };
-        let mut flakes = strew::in_view(&snow, scene, &self.mounted, |particle| {
-            self.flake(&snow, &particle)
-        });
-        // Stable: equal ranges stay in the order of their cells.
-        flakes.par_sort_by(|a, b| a.range_m.total_cmp(&b.range_m));
-        flakes
+        let places = place::places(self.world.scene, &self.mounted).into_par_iter();
+        places
+            .filter_map(|place| self.flake(&snow.albedo, place))
+            .collect()
     }
 
-    fn flake(&self, snow: &Snow, particle: &Particle) -> Option<Flake> {
-        let centre_m = particle.centre_m;
-        let sight = self.mounted.sight(&centre_m)?;
-        let to_eye = sight.from_m - centre_m;
-        let range_m = to_eye.norm();
-        let to_eye = to_eye / range_m;
-        let i = self.mounted.camera.intrinsics();
-        let size_px = [f64::from(i.width_px), f64::from(i.height_px)];
-        let at_px: [f64; 2] = sight.pixel.into();
-        // No disc is larger than the image, and rays far outside may not be there.
-        if (0..2).any(|axis| !(at_px[axis].abs() < 2.0 * size_px[axis])) {
+    fn flake(&self, albedo: &Bands, place: Place) -> Option<Flake> {
+        if place.is_small() && self.world.is_hidden(&place.centre_m, &place.from_m) {
             return None;
         }
-        // How the place at its range moves with the pixel, m/px, in two axes across the view.
-        let aside = to_eye.cross(&least_axis(&to_eye)).normalize();
-        let axes = [aside, to_eye.cross(&aside)];
-        let step = |along: Pixel| {
-            let [a, b] = [-0.5, 0.5].map(|half| self.mounted.ray(&(sight.pixel + along * half)));
-            let [(from_a, along_a), (from_b, along_b)] = [a?, b?];
-            let step_m = from_b - from_a + (along_b - along_a) * range_m;
-            Some(axes.map(|axis| axis.dot(&step_m)))
-        };
-        let [right, down] = [step(Pixel::x())?, step(Pixel::y())?];
-        let area_m2 = (right[0] * down[1] - down[0] * right[1]).abs();
-        let radius_m = particle.radius_m / (1.0 - (particle.radius_m / range_m).powi(2)).sqrt();
-        let blur_m = self.world.scene.lens.aperture.map_or(0.0, |aperture| {
-            let depth_m = self.camera_from_rig.point(&centre_m).z;
-            0.5 * aperture.blur_px(depth_m, i.fx_px) * area_m2.sqrt()
-        });
-        // Of uniform discs: their variances add.
-        let disc_m = (radius_m * radius_m + blur_m * blur_m).sqrt();
-        let disc_per_px = [0, 1].map(|axis| [right[axis] / disc_m, down[axis] / disc_m]);
-        let half_px = half_extent(&disc_per_px)?;
-        let opacity = (radius_m / disc_m) * (radius_m / disc_m);
-        let outside = |axis: usize| {
-            at_px[axis] + half_px[axis] <= 0.0 || at_px[axis] - half_px[axis] >= size_px[axis]
-        };
-        if outside(0) || outside(1) {
-            return None;
-        }
+        let (gain, range_m) = (place.gain, place.range_m);
+        let (lamps, from) = self.lamps_on(albedo, &place.centre_m, &place.to_eye);
+        let ambient = self.world.scene.ambient_radiance;
+        let wet: Bands = core::array::from_fn(|k| gain * (lamps[k] + albedo[k] * ambient[k]));
+        let attenuated = transmittance(&self.world.attenuation_per_m, range_m);
         let mut flake = Flake {
-            at_px,
-            disc_per_px,
-            half_px,
-            opacity,
-            range_m,
-            direct: [0.0; 3],
-            scattered: Scattered::default(),
+            direct: core::array::from_fn(|k| wet[k] * attenuated[k]),
+            scattered: self.scattered(&wet, range_m),
             lit_from: [0.0, 0.0, 1.0],
             shading: 0.0,
+            place,
         };
-        if flake.is_small() && self.world.is_hidden(&centre_m, &sight.from_m) {
-            return None;
-        }
-        let inside = Pixel::new(
-            at_px[0].clamp(0.0, size_px[0]),
-            at_px[1].clamp(0.0, size_px[1]),
-        );
-        let (_, gain) = self.ray(&inside)?;
-        let (lamps, from) = self.lamps_on(&snow.albedo, &centre_m, &to_eye);
-        let ambient = self.world.scene.ambient_radiance;
-        let wet: Bands = core::array::from_fn(|k| gain * (lamps[k] + snow.albedo[k] * ambient[k]));
-        let attenuated = transmittance(&self.world.attenuation_per_m, range_m);
-        flake.direct = core::array::from_fn(|k| wet[k] * attenuated[k]);
-        flake.scattered = self.scattered(&wet, range_m);
         let all: f64 = wet.iter().sum();
-        if half_px[0].min(half_px[1]) > ROUND_PX && opacity > 0.5 && all > 0.0 && from.norm() > 0.0
-        {
+        if place.is_round() && all > 0.0 && from.norm() > 0.0 {
             let from = from.normalize();
-            flake.lit_from = [from.dot(&axes[0]), from.dot(&axes[1]), from.dot(&to_eye)];
+            let [across, down] = place.axes;
+            flake.lit_from = [from.dot(&across), from.dot(&down), from.dot(&place.to_eye)];
             flake.shading = gain * lamps.iter().sum::<f64>() / all;
         }
         Some(flake)
@@ -228,7 +157,7 @@ impl Caster<'_> {
         let (width, height) = (i.width_px as usize, i.height_px as usize);
         let mut pieces: Vec<Vec<u32>> = vec![Vec::new(); height.div_ceil(ROWS)];
         for (index, flake) in flakes.iter().enumerate() {
-            let rows = flake.span(1, height);
+            let rows = flake.place.span(1, height);
             if !rows.is_empty() {
                 let last = (rows.end - 1) / ROWS;
                 for piece in &mut pieces[rows.start / ROWS..=last] {
@@ -259,19 +188,19 @@ impl Caster<'_> {
         let mut before = vec![[0.0_f64; 3]; pixels.len()];
         let mut spread: Vec<Mixed> = vec![Vec::new(); mixed.len()];
         for flake in flakes {
-            let rows = flake.span(1, first_row + mixed.len());
+            let rows = flake.place.span(1, first_row + mixed.len());
             for row in rows.start.max(first_row)..rows.end {
-                for column in flake.span(0, width) {
+                for column in flake.place.span(0, width) {
                     let index = (row - first_row) * width + column;
                     let pixel = &mut pixels[index];
                     let cover = flake.cover(column, row);
-                    let hidden = f64::from(pixel.range_m) < flake.range_m;
-                    if cover < LEAST_COVER || (hidden && !flake.is_small()) {
+                    let hidden = f64::from(pixel.range_m) < flake.place.range_m;
+                    if cover < LEAST_COVER || (hidden && !flake.place.is_small()) {
                         continue;
                     }
                     let seen = passed[index] * cover;
                     let lit = seen * flake.shade(column, row);
-                    let share = self.share_before(flake.range_m, pixel.range_m, column, row);
+                    let share = self.share_before(flake.place.range_m, pixel.range_m, column, row);
                     for k in 0..3 {
                         pixel.snow[k] += (lit * flake.direct[k]) as f32;
                         before[index][k] += seen * share[k] * f64::from(pixel.backscatter[k]);
@@ -329,24 +258,13 @@ impl Caster<'_> {
     }
 
     fn water_light(&self, ray: &Ray, pixel: &Pixel, distance_m: f64) -> Bands {
-        let lamps = self.airlight.at(self.world, ray, pixel, distance_m);
         let veil = self.world.veil(distance_m);
+        if !self.world.has_airlight() {
+            return veil;
+        }
+        let lamps = self.airlight.at(self.world, ray, pixel, distance_m);
         core::array::from_fn(|k| lamps[k] + veil[k])
     }
-}
-
-/// The axis along which a vector is shortest.
-fn least_axis(vector: &Vec3) -> Vec3 {
-    let mut axis = Vec3::zeros();
-    axis[vector.iamin()] = 1.0;
-    axis
-}
-
-/// How far the ellipse |M x| = 1 reaches in columns and rows: the roots of the diagonal of (MᵀM)⁻¹.
-fn half_extent([[a, b], [c, d]]: &[[f64; 2]; 2]) -> Option<[f64; 2]> {
-    let area = (a * d - b * c).abs();
-    (area > 0.0 && area.is_finite())
-        .then(|| [(b * b + d * d).sqrt() / area, (a * a + c * c).sqrt() / area])
 }
 
 #[cfg(test)]

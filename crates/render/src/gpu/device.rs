@@ -8,7 +8,7 @@ use wgpu::{DeviceType, ErrorFilter};
 use crate::RenderError;
 
 /// Storage buffers that one pass binds.
-const STORAGE_BUFFERS: u32 = 15;
+const STORAGE_BUFFERS: u32 = 17;
 /// A submission is a tile; one that takes longer than this hangs.
 const LONGEST_WAIT: Duration = Duration::from_secs(600);
 

@@ -15,7 +15,7 @@ use super::device::Gpu;
 use super::layout::{self, Vec4f};
 use super::passes::{PerVariant, Variant, entry, group, module, pipeline, storage};
 use super::tile::{Tile, TileBuffers, bind_group};
-use super::timer::{HALO, TIMED, Timer, Times, WEIGH as WEIGH_STAGE};
+use super::timer::{HALO, Timer, Times, WEIGH as WEIGH_STAGE};
 use super::upload::storage as packed;
 use crate::RenderError;
 use crate::cpu::halo::FINE;
@@ -254,7 +254,7 @@ impl HaloEye {
             blurs,
             unspread,
             back,
-            timer: Timer::new(device, HALO..TIMED.len()),
+            timer: Timer::new(device, vec![HALO]),
             shape,
         })
     }

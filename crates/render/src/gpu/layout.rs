@@ -123,6 +123,7 @@ pub(super) struct Frame {
     pub(super) grid_scale: Vec2f,
     pub(super) lobes: [Vec4f; 4],
     pub(super) regained_per_m: Vec3f,
+    pub(super) snow_albedo: Vec3f,
     pub(super) disparity_sign: f32,
 }
 
@@ -183,6 +184,7 @@ pub(super) struct Tile {
     pub(super) rows: u32,
     pub(super) kept_from: u32,
     pub(super) kept_to: u32,
+    pub(super) has_snow: u32,
 }
 
 /// What `mark` counts and `refine` is dispatched by.
@@ -227,6 +229,31 @@ pub(super) struct Halo {
     pub(super) runs: u32,
     pub(super) strips: [HaloStrip; 8],
     pub(super) levels: [HaloLevel; rodsight_optics::Halo::LEVELS],
+}
+
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub(super) struct Flake {
+    pub(super) centre_m: Vec3f,
+    pub(super) range_m: f32,
+    pub(super) from_m: Vec3f,
+    pub(super) opacity: f32,
+    pub(super) aside: Vec3f,
+    pub(super) gain: f32,
+    pub(super) disc_per_px: Vec4f,
+    pub(super) pixel: Vec2i,
+    pub(super) inside_px: Vec2f,
+    pub(super) is_small: u32,
+    pub(super) is_round: u32,
+    pub(super) shading: f32,
+    pub(super) lit_from: Vec3f,
+    pub(super) direct: Vec3f,
+    pub(super) scattered: Vec3f,
+}
+
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub(super) struct SnowPair {
+    pub(super) flake: u32,
+    pub(super) lit: f32,
 }
 
 #[cfg(test)]
@@ -334,6 +361,7 @@ mod tests {
                 grid_scale,
                 lobes,
                 regained_per_m,
+                snow_albedo,
                 disparity_sign
             }
         );
@@ -394,10 +422,32 @@ mod tests {
                 first_row,
                 rows,
                 kept_from,
-                kept_to
+                kept_to,
+                has_snow
             }
         );
         same!(&MARK, Indirect { x, y, z, count });
+        same!(
+            &WEIGH,
+            Flake {
+                centre_m,
+                range_m,
+                from_m,
+                opacity,
+                aside,
+                gain,
+                disc_per_px,
+                pixel,
+                inside_px,
+                is_small,
+                is_round,
+                shading,
+                lit_from,
+                direct,
+                scattered
+            }
+        );
+        same!(&WEIGH, SnowPair { flake, lit });
         same!(
             &WEIGH,
             HaloStrip {

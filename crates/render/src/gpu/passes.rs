@@ -7,6 +7,7 @@ use rodsight_shaders::{BACKSCATTER, CENTRE, MARK, Pass, REFINE};
 use super::SceneBuffers;
 use super::device::Gpu;
 use super::halo::HaloPasses;
+use super::snow::SnowPasses;
 use super::tile::{Tile, TileBuffers};
 use crate::RenderError;
 
@@ -18,7 +19,7 @@ const GROUP: u32 = 8;
 /// Storage buffers of the scene's group, after its uniform.
 const SCENE_BUFFERS: u32 = 8;
 /// Storage buffers of the tile's group, after its uniform.
-const TILE_BUFFERS: u32 = 5;
+const TILE_BUFFERS: u32 = 8;
 
 /// What is compiled into the passes of an eye; see `scene.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -86,6 +87,7 @@ pub(super) struct Passes {
     modules: [wgpu::ShaderModule; STAGES.len()],
     pipelines: PerVariant<[wgpu::ComputePipeline; STAGES.len()]>,
     halo: OnceLock<HaloPasses>,
+    snow: OnceLock<SnowPasses>,
 }
 
 impl Passes {
@@ -100,6 +102,7 @@ impl Passes {
                 modules: STAGES.map(|pass| module(d, pass)),
                 pipelines: PerVariant::default(),
                 halo: OnceLock::new(),
+                snow: OnceLock::new(),
             })
         })
     }
@@ -108,6 +111,12 @@ impl Passes {
     pub(super) fn halo(&self, device: &Gpu) -> &HaloPasses {
         self.halo
             .get_or_init(|| HaloPasses::new(device, &self.scene, &self.tile))
+    }
+
+    /// The passes of the snow, for a variant.
+    pub(super) fn snow(&self, device: &Gpu, variant: Variant) -> Arc<[wgpu::ComputePipeline; 2]> {
+        let passes = self.snow.get_or_init(|| SnowPasses::new(device));
+        passes.of(device, variant, [&self.scene, &self.tile])
     }
 
     /// The pipelines of a variant.

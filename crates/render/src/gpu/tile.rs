@@ -8,15 +8,17 @@ use wgpu::BufferUsages;
 use super::device::Gpu;
 use super::layout;
 use super::passes::{Passes, STAGES};
-use super::timer::{Timer, Times};
+use super::snow::{self, Snow};
+use super::timer::{SNOW, Timer, Times, WEIGH};
 use crate::RenderError;
 use crate::frame::PixelTruth;
 
 /// Planes of the buffers, 4 bytes a pixel each; see `tile.wgsl`.
 const KEY_PLANES: u64 = 4;
 const LIGHT_PLANES: u64 = 9;
-/// Of light that is to be spread: it is not read back.
+/// After them those of light that is to be spread, which is not read back, and those of snow.
 const SOURCE_PLANES: u64 = 3;
+const SNOW_PLANES: u64 = 4;
 /// Things told apart in a pixel at an edge.
 pub(super) const THINGS: u64 = 8;
 /// Bytes of such a pixel's sources.
@@ -55,7 +57,7 @@ impl Tile {
             4 * SURFACE_PLANES
         };
         let pixels = (binding / bytes)
-            .min(limits.max_buffer_size / (4 * (LIGHT_PLANES + SURFACE_PLANES)))
+            .min(limits.max_buffer_size / (4 * (LIGHT_PLANES + SURFACE_PLANES + SNOW_PLANES)))
             .min(u64::from(limits.max_compute_workgroups_per_dimension) * 64);
         // One row with its neighbours must fit.
         device.check("pixels of a tile", 3 * u64::from(width), pixels)?;
@@ -95,6 +97,7 @@ pub(super) struct TileBuffers {
     uniform: wgpu::Buffer,
     light: wgpu::Buffer,
     surface: wgpu::Buffer,
+    has_snow: bool,
     pub(super) indirect: wgpu::Buffer,
     back: wgpu::Buffer,
     pub(super) group: wgpu::BindGroup,
@@ -104,8 +107,14 @@ pub(super) struct TileBuffers {
 }
 
 impl TileBuffers {
-    /// Buffers for tiles up to a size, whose light is to be spread or not.
-    pub(super) fn new(device: &Gpu, passes: &Passes, largest: u64, is_spread: bool) -> Self {
+    /// Buffers for tiles up to a size, whose light is to be spread or not, behind some snow or none.
+    pub(super) fn new(
+        device: &Gpu,
+        passes: &Passes,
+        largest: u64,
+        is_spread: bool,
+        snow: Option<&Snow>,
+    ) -> Self {
         let d = &device.device;
         let buffer = |label, size, usage| {
             d.create_buffer(&wgpu::BufferDescriptor {
@@ -122,12 +131,15 @@ impl TileBuffers {
             BufferUsages::UNIFORM | BufferUsages::COPY_DST,
         );
         let keys = buffer("keys", 4 * KEY_PLANES * largest, BufferUsages::STORAGE);
-        let (planes, source_bytes, stages) = if is_spread {
-            let sources = SOURCE_BYTES * largest;
-            (LIGHT_PLANES + SOURCE_PLANES, sources, STAGES.len() + 1)
+        let source_bytes = if is_spread {
+            SOURCE_BYTES * largest
         } else {
-            (LIGHT_PLANES, SOURCE_BYTES, STAGES.len())
+            SOURCE_BYTES
         };
+        let planes = LIGHT_PLANES + SOURCE_PLANES + if snow.is_some() { SNOW_PLANES } else { 0 };
+        let mut stages: Vec<usize> = (0..STAGES.len()).collect();
+        stages.extend(snow.map(|_| SNOW));
+        stages.extend(is_spread.then_some(WEIGH));
         let light = buffer("light", 4 * planes * largest, copied);
         let sources = buffer("sources", source_bytes, BufferUsages::STORAGE);
         let surface = buffer("surface", 4 * SURFACE_PLANES * largest, copied);
@@ -139,15 +151,22 @@ impl TileBuffers {
         );
         let back = buffer(
             "back",
-            4 * (LIGHT_PLANES + SURFACE_PLANES) * largest,
+            4 * (LIGHT_PLANES + SURFACE_PLANES + SNOW_PLANES) * largest,
             BufferUsages::MAP_READ | BufferUsages::COPY_DST,
         );
+        let none = snow::NONE.map(|bytes| buffer("no snow", bytes, BufferUsages::STORAGE));
+        let [flakes, first, pairs] = match snow {
+            Some(snow) => [&snow.flakes, &snow.first, &snow.pairs],
+            None => none.each_ref(),
+        };
         let bind = |label, layout, buffers: &[&wgpu::Buffer]| bind_group(d, label, layout, buffers);
         Self {
             group: bind(
                 "tile",
                 &passes.tile,
-                &[&uniform, &keys, &light, &surface, &edges, &sources],
+                &[
+                    &uniform, &keys, &light, &surface, &edges, &sources, flakes, first, pairs,
+                ],
             ),
             written: bind("edge count, written", &passes.written, &[&indirect]),
             read: bind("edge count, read", &passes.read, &[&indirect]),
@@ -156,7 +175,8 @@ impl TileBuffers {
             surface,
             indirect,
             back,
-            timer: Timer::new(device, 0..stages),
+            timer: Timer::new(device, stages),
+            has_snow: snow.is_some(),
         }
     }
 
@@ -168,6 +188,7 @@ impl TileBuffers {
             rows: tile.rows(),
             kept_from: tile.kept.start - tile.cast.start,
             kept_to: tile.kept.end - tile.cast.start,
+            has_snow: self.has_snow.into(),
         };
         let mut bytes = encase::UniformBuffer::new(Vec::new());
         bytes.write(&header).expect("a vector grows");
@@ -195,6 +216,11 @@ impl TileBuffers {
         );
         encoder.copy_buffer_to_buffer(&self.light, 0, &self.back, 0, light);
         encoder.copy_buffer_to_buffer(&self.surface, 0, &self.back, light, surface);
+        if self.has_snow {
+            let from = 4 * (LIGHT_PLANES + SOURCE_PLANES) * tile.pixels();
+            let size = 4 * SNOW_PLANES * tile.pixels();
+            encoder.copy_buffer_to_buffer(&self.light, from, &self.back, light + surface, size);
+        }
         if let Some(timer) = &self.timer {
             timer.encode(encoder);
         }
@@ -210,7 +236,8 @@ impl TileBuffers {
         times: &mut Times,
     ) -> Result<(), RenderError> {
         device.wait(submission)?;
-        let size = 4 * (LIGHT_PLANES + SURFACE_PLANES) * tile.pixels();
+        let snow = if self.has_snow { SNOW_PLANES } else { 0 };
+        let size = 4 * (LIGHT_PLANES + SURFACE_PLANES + snow) * tile.pixels();
         device.mapped(&self.back, size, |bytes| unpack(bytes, tile, rows))?;
         self.timer
             .as_ref()
@@ -263,6 +290,11 @@ fn unpack(bytes: &[u8], tile: &Tile, rows: &mut [PixelTruth]) {
                     transmission: three(surface),
                     ..PixelTruth::NOTHING
                 };
+                let snow = surface + SURFACE_PLANES as usize;
+                if words.len() > snow * pixels {
+                    pixel.snow = three(snow);
+                    pixel.snow_cover = value(snow + 3);
+                }
                 pixel.sum_radiance();
                 let instance = tag & TAG_INSTANCE;
                 if instance != 0 {

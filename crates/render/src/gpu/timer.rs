@@ -2,22 +2,29 @@
 
 use wgpu::BufferUsages;
 
-use core::ops::Range;
-
 use super::device::Gpu;
 use crate::RenderError;
 
-/// What is timed: the passes of a tile, the weighing of mode `full`, and what it does when all tiles are there.
-pub(super) const TIMED: [&str; 6] = ["centre", "backscatter", "mark", "refine", "weigh", "halo"];
-pub(super) const WEIGH: usize = 4;
-pub(super) const HALO: usize = 5;
+/// What is timed: the passes of a tile, its snow, the weighing of mode `full`, and what it does when all tiles are there.
+pub(super) const TIMED: [&str; 7] = [
+    "centre",
+    "backscatter",
+    "mark",
+    "refine",
+    "snow",
+    "weigh",
+    "halo",
+];
+pub(super) const SNOW: usize = 4;
+pub(super) const WEIGH: usize = 5;
+pub(super) const HALO: usize = 6;
 /// Of each, s.
 pub(super) type Times = [f64; TIMED.len()];
 
 /// The clock of some stages: a time before and one after each.
 #[derive(Debug)]
 pub(super) struct Timer {
-    stages: Range<usize>,
+    stages: Vec<usize>,
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     back: wgpu::Buffer,
@@ -25,7 +32,7 @@ pub(super) struct Timer {
 
 impl Timer {
     /// `None` on an adapter that does not tell the time.
-    pub(super) fn new(device: &Gpu, stages: Range<usize>) -> Option<Self> {
+    pub(super) fn new(device: &Gpu, stages: Vec<usize>) -> Option<Self> {
         let d = &device.device;
         let stamps = 2 * stages.len() as u32;
         let buffer = |label, usage| {
@@ -39,7 +46,7 @@ impl Timer {
         d.features()
             .contains(wgpu::Features::TIMESTAMP_QUERY)
             .then(|| Self {
-                stages: stages.clone(),
+                stages,
                 queries: d.create_query_set(&wgpu::QuerySetDescriptor {
                     label: Some("stages"),
                     ty: wgpu::QueryType::Timestamp,
@@ -58,7 +65,8 @@ impl Timer {
 
     /// What a pass is begun with.
     pub(super) fn of_stage(&self, stage: usize) -> wgpu::ComputePassTimestampWrites<'_> {
-        let first = 2 * (stage - self.stages.start) as u32;
+        let place = self.stages.iter().position(|known| *known == stage);
+        let first = 2 * place.expect("a stage of this clock") as u32;
         wgpu::ComputePassTimestampWrites {
             query_set: &self.queries,
             beginning_of_pass_write_index: Some(first),
@@ -94,9 +102,8 @@ impl Timer {
             words.iter().map(|word| u64::from_le_bytes(*word)).collect()
         })?;
         let tick_s = f64::from(device.queue.get_timestamp_period()) * 1e-9;
-        let sums = &mut sums[self.stages.clone()];
-        for (sum, pair) in sums.iter_mut().zip(ticks.chunks(2)) {
-            *sum += pair[1].saturating_sub(pair[0]) as f64 * tick_s;
+        for (stage, pair) in self.stages.iter().zip(ticks.chunks(2)) {
+            sums[*stage] += pair[1].saturating_sub(pair[0]) as f64 * tick_s;
         }
         Ok(())
     }

@@ -188,6 +188,7 @@ fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
         seabed_scale_m: seabed.map_or(1.0, |s| s.texture_scale_m) as f32,
         seabed_seed: crate::cpu::seabed::seed_word(scene.seed),
         shifts: matches!(scene.sampling.edge, EdgeSampling::Fibonacci { .. }).into(),
+        snow_albedo: scene.snow.map_or([0.0; 3], |snow| snow.albedo).into(),
         disparity_sign: match eye {
             Eye::Left => 1.0,
             Eye::Right => -1.0,

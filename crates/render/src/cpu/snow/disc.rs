@@ -12,7 +12,7 @@ fn dot(p: Point, q: Point) -> f64 {
 }
 
 /// The area of a convex polygon within the unit disc; negative if its corners go round clockwise.
-pub(super) fn area_in_disc(corners: &[Point; 4]) -> f64 {
+pub(crate) fn area_in_disc(corners: &[Point; 4]) -> f64 {
     if corners.iter().all(|&p| dot(p, p) <= 1.0) {
         let edges = (0..4).map(|i| cross(corners[i], corners[(i + 1) % 4]));
         return 0.5 * edges.sum::<f64>();
@@ -23,7 +23,7 @@ pub(super) fn area_in_disc(corners: &[Point; 4]) -> f64 {
 }
 
 /// The signed area within the unit disc of the triangle of its centre and an edge.
-fn triangle_in_disc(p: Point, q: Point) -> f64 {
+pub(crate) fn triangle_in_disc(p: Point, q: Point) -> f64 {
     let edge = [q[0] - p[0], q[1] - p[1]];
     let (a, b, c) = (dot(edge, edge), dot(p, edge), dot(p, p) - 1.0);
     let root2 = b * b - a * c;
@@ -48,7 +48,7 @@ fn triangle_in_disc(p: Point, q: Point) -> f64 {
 }
 
 /// The signed area of the unit disc between two directions.
-fn sector(p: Point, q: Point) -> f64 {
+pub(crate) fn sector(p: Point, q: Point) -> f64 {
     0.5 * libm::atan2(cross(p, q), dot(p, q))
 }
 

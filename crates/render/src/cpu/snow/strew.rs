@@ -4,7 +4,6 @@ use rayon::prelude::*;
 use rodsight_geometry::{Eye, MountedCamera, Pixel, Vec3};
 use rodsight_scene::{Scene, Snow};
 
-use super::Flake;
 use crate::noise::Philox;
 
 /// Particles in a cell, on average.
@@ -68,12 +67,12 @@ impl View {
 }
 
 /// What `see` makes of every particle that may be in view, in the order of their cells.
-pub(super) fn in_view(
+pub(super) fn in_view<T: Send>(
     snow: &Snow,
     scene: &Scene,
     mounted: &MountedCamera,
-    see: impl Fn(Particle) -> Option<Flake> + Sync,
-) -> Vec<Flake> {
+    see: impl Fn(Particle) -> Option<T> + Sync,
+) -> Vec<T> {
     let strewn = Strewn::new(snow, scene);
     let view = View::new(mounted);
     // A particle may lie beside the view and reach into it, by its radius, its blur and a port's size.

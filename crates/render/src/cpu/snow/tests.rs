@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use rodsight_geometry::{Band, Eye};
-use rodsight_scene::Scene;
+use rodsight_scene::{Scene, Snow};
 
 use super::super::world::World;
 use super::*;
@@ -32,8 +32,8 @@ fn as_many_are_in_view_as_the_density_says() {
     let solid_angle_sr = 4.0 * libm::asin(w * h / ((w * w + f * f) * (h * h + f * f)).sqrt());
     let expected = 2000.0 * 21.0 * solid_angle_sr;
     let found = flakes.iter().filter(|flake| {
-        let [u, v] = flake.at_px;
-        (1.0..4.0).contains(&flake.range_m)
+        let [u, v] = flake.place.at_px;
+        (1.0..4.0).contains(&flake.place.range_m)
             && (0.0..1920.0).contains(&u)
             && (0.0..1080.0).contains(&v)
     });
@@ -43,7 +43,7 @@ fn as_many_are_in_view_as_the_density_says() {
         (found - expected).abs() < 4.0 * expected.sqrt(),
         "{found}, {expected}"
     );
-    assert!(flakes.is_sorted_by(|a, b| a.range_m <= b.range_m));
+    assert!(flakes.is_sorted_by(|a, b| a.place.range_m <= b.place.range_m));
 }
 
 /// Both eyes see the same particles, each where the other's ray and range say.
@@ -54,15 +54,15 @@ fn eyes_see_the_same_particles() {
     let [left, right] = Eye::BOTH.map(|eye| Caster::new(&world, eye, Band::Green).flakes());
     let (mut common, mut hidden) = (0, 0);
     for flake in &left {
-        let (from_m, along) = scene.rig.left.ray(&flake.at_px.into()).unwrap();
-        let point_m = from_m + along * flake.range_m;
+        let (from_m, along) = scene.rig.left.ray(&flake.place.at_px.into()).unwrap();
+        let point_m = from_m + along * flake.place.range_m;
         let there = scene.rig.right.sight(&point_m).unwrap();
         if !scene.rig.right.camera.contains(&there.pixel) {
             continue;
         }
         let twin = right
             .iter()
-            .find(|other| (Pixel::from(other.at_px) - there.pixel).norm() < 1e-6);
+            .find(|other| (Pixel::from(other.place.at_px) - there.pixel).norm() < 1e-6);
         common += usize::from(twin.is_some());
         hidden += usize::from(twin.is_none());
         assert!(twin.is_some() || world.is_hidden(&point_m, &there.from_m));
@@ -77,21 +77,29 @@ fn a_flake_sends_its_area_times_its_radiance() {
         for (x, y) in [(40.0, 40.0), (40.31, 40.77), (40.5, 40.01)] {
             for tilt in [0.0, 0.9, 1.4] {
                 let (sin, cos) = libm::sincos(tilt);
-                let flake = Flake {
+                let place = Place {
                     at_px: [x, y],
                     // An ellipse, turned: as a wide view draws a sphere.
                     disc_per_px: [[0.9 / radius_px, 0.2 / radius_px], [0.0, 1.0 / radius_px]],
                     half_px: [1.2 * radius_px, radius_px],
                     opacity: 0.7,
                     range_m: 1.0,
+                    centre_m: Vec3::z(),
+                    from_m: Vec3::zeros(),
+                    to_eye: -Vec3::z(),
+                    axes: [Vec3::x(), Vec3::y()],
+                    gain: 1.0,
+                };
+                let flake = Flake {
+                    place,
                     direct: [1.0; 3],
                     scattered: Scattered::default(),
                     lit_from: [0.6 * sin, 0.8 * sin, cos],
                     shading: f64::from(u8::from(radius_px > ROUND_PX)),
                 };
                 let (mut cover, mut light) = (0.0, 0.0);
-                for row in flake.span(1, 100) {
-                    for column in flake.span(0, 100) {
+                for row in flake.place.span(1, 100) {
+                    for column in flake.place.span(0, 100) {
                         let share = flake.cover(column, row);
                         cover += share;
                         light += share * flake.shade(column, row);
@@ -128,8 +136,8 @@ fn a_flake_is_lit_and_dimmed_as_a_matt_sphere() {
     let world = World::new(&scene);
     let flakes = Caster::new(&world, Eye::Left, Band::Green).flakes();
     for flake in &flakes {
-        let (from_m, along) = scene.rig.left.ray(&flake.at_px.into()).unwrap();
-        let to_lamp = lamp.position_m - (from_m + along * flake.range_m);
+        let (from_m, along) = scene.rig.left.ray(&flake.place.at_px.into()).unwrap();
+        let to_lamp = lamp.position_m - (from_m + along * flake.place.range_m);
         let r = to_lamp.norm();
         let alpha = libm::acos(-to_lamp.dot(&along) / r);
         let (sin, cos) = libm::sincos(alpha);
@@ -139,13 +147,13 @@ fn a_flake_is_lit_and_dimmed_as_a_matt_sphere() {
             let c = scene.medium.beam_attenuation_per_m()[k];
             let expected = albedo / pi * lamp.radiant_intensity_w_per_sr[k] / (r * r)
                 * phase
-                * libm::exp(-c * (r + flake.range_m));
+                * libm::exp(-c * (r + flake.place.range_m));
             assert!((flake.direct[k] / expected - 1.0).abs() < 1e-9);
         }
-        let [[a, b], [c, d]] = flake.disc_per_px;
+        let [[a, b], [c, d]] = flake.place.disc_per_px;
         let area_px = pi / (a * d - b * c).abs();
         let cos3 = along.x * along.x * along.x;
-        let expected = pi * (5e-4 / flake.range_m * 1566.5776).powi(2) / cos3;
+        let expected = pi * (5e-4 / flake.place.range_m * 1566.5776).powi(2) / cos3;
         assert!(
             (area_px / expected - 1.0).abs() < 1e-4,
             "{}",

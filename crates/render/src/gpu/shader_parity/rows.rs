@@ -4,6 +4,7 @@ mod camera;
 mod halo;
 mod light;
 mod port;
+mod snow;
 mod solid;
 
 use super::Row;
@@ -16,6 +17,7 @@ pub(super) fn all() -> Vec<Row> {
     rows.extend(light::rows());
     rows.extend(halo::rows());
     rows.extend(port::rows());
+    rows.extend(snow::rows());
     rows
 }
 
