@@ -1,4 +1,8 @@
-// The sea floor's distance and texture: see cpu/seabed.rs.
+// The sea floor's texture and ripples: see cpu/seabed.rs.
+
+const SEABED_TURN_RAD: f32 = 6.28318530717959;
+/// How far crests wander, of their phase.
+const SEABED_WANDER_RAD: f32 = 0.8;
 
 /// A number in [-1, 1) for a node.
 fn seabed_hash(seed: u32, octave: u32, i: i32, j: i32) -> f32 {
@@ -33,4 +37,32 @@ fn seabed_factor(seed: u32, contrast: f32, scale_m: f32, at_m: vec2<f32>, footpr
         amplitude *= 0.6;
     }
     return max(1.0 + contrast * relief, 0.0);
+}
+
+/// Waves of the sand.
+struct SeabedRipples {
+    wavelength_m: f32,
+    /// Trough to crest.
+    height_m: f32,
+    /// Cosine and sine of the direction across the crests.
+    heading: vec2<f32>,
+}
+
+/// Sine and cosine of a phase in periods.
+fn seabed_wave(periods: f32) -> vec2<f32> {
+    return maths_sincos(SEABED_TURN_RAD * (periods - round(periods)));
+}
+
+/// The normal of rippled sand; ripples finer than two samples are left out.
+fn seabed_rippled_normal(ripples: SeabedRipples, at_m: vec2<f32>, direction: vec3<f32>, footprint_m: f32) -> vec3<f32> {
+    let fade = clamp(ripples.wavelength_m / (2.0 * footprint_m) - 1.0, 0.0, 1.0);
+    let heading = ripples.heading;
+    let u = dot(at_m, heading) / ripples.wavelength_m;
+    let v = (at_m.y * heading.x - at_m.x * heading.y) / ripples.wavelength_m;
+    let bend = seabed_wave(0.2 * v);
+    let crest = seabed_wave(u + SEABED_WANDER_RAD / SEABED_TURN_RAD * bend.x).x;
+    let steepness = -0.5 * ripples.height_m * (SEABED_TURN_RAD / ripples.wavelength_m) * fade * crest;
+    let along = steepness * vec2<f32>(1.0, 0.2 * SEABED_WANDER_RAD * bend.y);
+    let slope = vec2<f32>(along.x * heading.x - along.y * heading.y, along.x * heading.y + along.y * heading.x);
+    return solid_facing(vec3<f32>(-slope, -1.0), direction, vec3<f32>(0.0, 0.0, -1.0));
 }

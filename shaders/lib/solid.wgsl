@@ -113,3 +113,10 @@ fn solid_grazes(solid: Solid, origin_m: vec3<f32>, direction: vec3<f32>, footpri
         && abs(s) <= solid.half_length_m + (margin + solid.radius_m) / sin
         && abs(abs(dot(c, w)) / sin - solid.radius_m) < margin;
 }
+
+/// A shading normal as a ray can see it, of unit length: one that looks away is turned until it is square to the ray.
+fn solid_facing(normal: vec3<f32>, direction: vec3<f32>, face_normal: vec3<f32>) -> vec3<f32> {
+    let turned = normal - direction * max(dot(normal, direction), 0.0);
+    let size = length(turned);
+    return select(face_normal, turned / size, size > 1e-6);
+}

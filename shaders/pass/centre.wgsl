@@ -14,7 +14,7 @@ fn centre(@builtin(global_invocation_id) id: vec3<u32>) {
     let grazes = scene_grazes_a_limb(ray.origin_m, ray.direction);
 
     keys[pixel] = hit.instance | select(0u, KEY_CAP, hit.cap) | select(0u, KEY_GRAZES, grazes);
-    keys[pixels + pixel] = sample.lit_by;
+    keys[pixels + pixel] = scene_key(hit, sample.lit_by);
     keys[2u * pixels + pixel] = bitcast<u32>(hit.t_m);
     tile_store(0u, pixel, sample.direct);
     tile_store(6u, pixel, sample.clean);
@@ -34,7 +34,7 @@ fn centre(@builtin(global_invocation_id) id: vec3<u32>) {
             disparity = frame.disparity_sign * ((corner.x + 0.5) - there.pixel.x);
         }
         if !there.is_seen || !camera_contains(frame.other, there.pixel)
-            || scene_is_hidden(hit.point_m, hit.normal, hit.instance, there.from_m) {
+            || scene_is_hidden(hit, there.from_m) {
             tag |= TAG_OCCLUDED;
         }
     }

@@ -10,7 +10,7 @@ fn light_flakes(@builtin(global_invocation_id) id: vec3<u32>) {
     let way = flake.centre_m - flake.from_m;
     let sight = normalize(way);
     if flake.is_small != 0u && (scene_seabed_hit(flake.from_m, sight) < flake.range_m * (1.0 - GAP) - GAP
-        || scene_is_blocked(flake.from_m, sight, flake.range_m, NOTHING)) {
+        || scene_is_blocked(flake.from_m, sight, flake.range_m, Hit())) {
         flakes[index].opacity = 0.0;
         return;
     }
@@ -22,7 +22,7 @@ fn light_flakes(@builtin(global_invocation_id) id: vec3<u32>) {
         let r = length(away);
         let towards = away / r;
         let beam = light_cone(lamp, towards);
-        if beam == 0.0 || scene_is_blocked(lamp.position_m, towards, r, NOTHING) {
+        if beam == 0.0 || scene_is_blocked(lamp.position_m, towards, r, Hit()) {
             continue;
         }
         let share = beam * sphere_share(dot(towards, sight)) / (3.14159265358979 * r * r);

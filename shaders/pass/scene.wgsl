@@ -30,6 +30,7 @@ struct Frame {
     other: Camera,
     eye_port: Port,
     other_port: Port,
+    ripples: SeabedRipples,
     /// c, between surfaces and the camera.
     attenuation_per_m: vec3<f32>,
     horizon_m: f32,
@@ -50,8 +51,10 @@ struct Frame {
     seabed_contrast: f32,
     seabed_scale_m: f32,
     seabed_seed: u32,
-    /// Of the tree.
+    /// Where the nodes of the rods' tree end, of the bodies' after them, and of the meshes'.
     nodes: u32,
+    body_nodes: u32,
+    mesh_nodes: u32,
     lamps: u32,
     /// Casters of each lamp.
     casters: u32,
@@ -81,6 +84,11 @@ struct Frame {
 struct Rod {
     value: vec3<f32>,
     is_flat: u32,
+    arc: Arc,
+    finish: Finish,
+    reflectance: vec3<f32>,
+    /// Of its coat; 0 for none.
+    roughness: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -97,9 +105,19 @@ struct Rod {
 struct Hit {
     t_m: f32,
     instance: u32,
+    /// As light sees it: ripples and rounded meshes turn it away from the surface's own.
     normal: vec3<f32>,
+    /// Of the surface itself.
+    face_normal: vec3<f32>,
     cap: bool,
     point_m: vec3<f32>,
+    /// Different where two smooth surfaces of one thing meet in a crease.
+    part: u32,
+    kind: u32,
+    /// Of the body or the triangle.
+    index: u32,
+    /// Of a triangle's corners.
+    weights: vec3<f32>,
 }
 
 fn scene_seabed_hit(origin_m: vec3<f32>, direction: vec3<f32>) -> f32 {
@@ -112,7 +130,8 @@ fn scene_seabed_hit(origin_m: vec3<f32>, direction: vec3<f32>) -> f32 {
 
 /// The first surface on a ray.
 fn scene_hit(origin_m: vec3<f32>, direction: vec3<f32>) -> Hit {
-    var hit = Hit(scene_seabed_hit(origin_m, direction), NOTHING, vec3<f32>(0.0), false, vec3<f32>(0.0));
+    var hit: Hit;
+    hit.t_m = scene_seabed_hit(origin_m, direction);
     if hit.t_m < SOLID_NONE_M {
         hit.instance = SEABED;
         hit.normal = vec3<f32>(0.0, 0.0, -sign(direction.z));
@@ -147,12 +166,24 @@ fn scene_hit(origin_m: vec3<f32>, direction: vec3<f32>) -> Hit {
             hit.normal = solid_normal(segment, origin_m + direction * hit.t_m);
         }
     }
+    hit.face_normal = hit.normal;
+    if HAS_BODIES {
+        hit = content_nearer_body(hit, origin_m, direction);
+    }
+    if HAS_MESH {
+        hit = content_nearer_triangle(hit, origin_m, direction);
+    }
     hit.point_m = origin_m + direction * hit.t_m;
+    if HAS_RIPPLES && hit.instance == SEABED && direction.z > 0.0 {
+        let at_m = hit.point_m.xy + frame.rig_from_eye_m.xy;
+        hit.normal = seabed_rippled_normal(frame.ripples, at_m, direction, scene_along_floor_m(direction, hit.t_m));
+    }
     return hit;
 }
 
-/// Whether a rod other than `own`, or `own` itself well before the end, meets the first `length_m` of a ray.
-fn scene_is_blocked(origin_m: vec3<f32>, direction: vec3<f32>, length_m: f32, own: u32) -> bool {
+/// Whether anything but the seabed meets the first `length_m` of a ray: of what the ray is cast for, at a surface of `own`, only
+/// what stands well before the end.
+fn scene_is_blocked(origin_m: vec3<f32>, direction: vec3<f32>, length_m: f32, own: Hit) -> bool {
     let reach = length_m * (1.0 - GAP) - GAP;
     let per_direction = bvh_per_direction(direction);
     var n = 0u;
@@ -164,25 +195,27 @@ fn scene_is_blocked(origin_m: vec3<f32>, direction: vec3<f32>, length_m: f32, ow
             continue;
         }
         for (var i = node.first; i < node.first + node.count; i++) {
-            let own_gap = select(0.0, OWN_GAP * segments[i].solid.radius_m, segments[i].instance == own);
+            let own_gap = select(0.0, OWN_GAP * segments[i].solid.radius_m, segments[i].instance == own.instance);
             if solid_hit(segments[i].solid, origin_m, direction).t_m < reach - own_gap {
                 return true;
             }
         }
     }
-    return false;
+    return (HAS_BODIES && content_body_blocks(origin_m, direction, reach, own))
+        || (HAS_MESH && content_triangle_blocks(origin_m, direction, reach, own));
 }
 
-/// Whether anything hides a point of a surface from a place.
-fn scene_is_hidden(point_m: vec3<f32>, normal: vec3<f32>, instance: u32, from_m: vec3<f32>) -> bool {
-    let to_point = point_m - from_m;
-    if dot(normal, to_point) >= 0.0 {
+/// Whether anything hides what a ray hit from a place.
+fn scene_is_hidden(hit: Hit, from_m: vec3<f32>) -> bool {
+    let to_point = hit.point_m - from_m;
+    // Triangles have two sides; all else hides its back.
+    if hit.kind != KIND_TRIANGLE && dot(hit.face_normal, to_point) >= 0.0 {
         return true;
     }
     let distance = length(to_point);
     let direction = to_point / distance;
-    return (instance != SEABED && scene_seabed_hit(from_m, direction) < distance * (1.0 - GAP) - GAP)
-        || scene_is_blocked(from_m, direction, distance, instance);
+    return (hit.instance != SEABED && scene_seabed_hit(from_m, direction) < distance * (1.0 - GAP) - GAP)
+        || scene_is_blocked(from_m, direction, distance, hit);
 }
 
 fn scene_grazes_a_limb(origin: vec3<f32>, direction: vec3<f32>) -> bool {
@@ -211,44 +244,95 @@ struct Surface {
     lit_by: u32,
 }
 
-/// Lambert: L = Σ ρ/π · I cos θ / r² · e^(-K r) + ρ L_ambient; a flat surface sends its own radiance.
-fn scene_surface(direction: vec3<f32>, hit: Hit) -> Surface {
-    let point = hit.point_m;
-    var albedo: vec3<f32>;
-    if hit.instance == SEABED {
-        let along_floor = hit.t_m * frame.footprint_rad / max(abs(direction.z), 1e-3);
+/// What a surface does with light.
+struct Look {
+    /// Of the matt surface, or the radiance of a flat one.
+    albedo: vec3<f32>,
+    is_flat: bool,
+    /// Over the matt surface.
+    coat: GlossCoat,
+}
+
+/// Distance between samples on the floor, m.
+fn scene_along_floor_m(direction: vec3<f32>, t_m: f32) -> f32 {
+    return t_m * frame.footprint_rad / max(abs(direction.z), 1e-3);
+}
+
+fn scene_look(direction: vec3<f32>, hit: Hit) -> Look {
+    var look = Look(vec3<f32>(0.0), false, GlossCoat(vec3<f32>(0.0), 0.0));
+    if HAS_MESH && hit.kind == KIND_TRIANGLE {
+        return content_mesh_look(direction, hit);
+    }
+    if HAS_BODIES && hit.kind == KIND_BODY {
+        look.albedo = bodies[hit.index].albedo;
+    } else if hit.instance == SEABED {
         let factor = seabed_factor(frame.seabed_seed, frame.seabed_contrast, frame.seabed_scale_m,
-            point.xy + frame.rig_from_eye_m.xy, along_floor);
-        albedo = min(frame.seabed_albedo * factor, vec3<f32>(1.0));
+            hit.point_m.xy + frame.rig_from_eye_m.xy, scene_along_floor_m(direction, hit.t_m));
+        look.albedo = min(frame.seabed_albedo * factor, vec3<f32>(1.0));
     } else {
         let rod = rods[hit.instance - 2u];
-        if rod.is_flat != 0u {
-            return Surface(rod.value, rod.value, 0u);
+        if HAS_FINISH && rod.is_flat == 0u {
+            return content_rod_look(rod, direction, hit);
         }
-        albedo = rod.value;
+        look.albedo = rod.value;
+        look.is_flat = rod.is_flat != 0u;
     }
-    let ambient = albedo * frame.ambient_radiance;
+    return look;
+}
+
+/// The cosines of a coat's reflection; light and ray look at the surface.
+fn scene_cosines(normal: vec3<f32>, light: vec3<f32>, direction: vec3<f32>) -> GlossCosines {
+    let half = -normalize(light + direction);
+    let across = cross(normal, half);
+    return GlossCosines(
+        -dot(normal, light),
+        max(-dot(normal, direction), 1e-4),
+        min(dot(across, across), 1.0),
+        clamp(-dot(half, direction), 0.0, 1.0),
+    );
+}
+
+/// Lambert, coated or not: L = Σ ρ/π · I cos θ / r² · e^(-K r) + ρ L_ambient; a flat surface sends its own radiance.
+fn scene_surface(direction: vec3<f32>, hit: Hit) -> Surface {
+    let look = scene_look(direction, hit);
+    if look.is_flat {
+        return Surface(look.albedo, look.albedo, 0u);
+    }
+    let ambient = look.albedo * frame.ambient_radiance;
     var surface = Surface(ambient, ambient, 0u);
     if MODE == MODE_KOSCHMIEDER {
         return surface;
     }
     for (var i = 0u; i < frame.lamps; i++) {
         let lamp = lamps[i];
-        let to_point = point - lamp.position_m;
+        let to_point = hit.point_m - lamp.position_m;
         let r2 = dot(to_point, to_point);
         let r = sqrt(r2);
         let towards = to_point / r;
         let cos = -dot(hit.normal, towards);
         let beam = light_cone(lamp, towards);
-        if cos <= 0.0 || beam == 0.0 || scene_is_blocked(lamp.position_m, towards, r, hit.instance) {
+        let lit = cos > 0.0 && dot(hit.face_normal, towards) < 0.0;
+        if !lit || beam == 0.0 || scene_is_blocked(lamp.position_m, towards, r, hit) {
             continue;
         }
         surface.lit_by |= 1u << (i % 32u);
-        let dry = albedo * lamp.radiant_intensity_w_per_sr * (beam * cos / (3.14159265358979 * r2));
+        var reflection = look.albedo;
+        if (HAS_FINISH || HAS_MESH) && look.coat.width2 > 0.0 {
+            reflection = gloss_reflection(look.coat, look.albedo, scene_cosines(hit.normal, towards, direction));
+        }
+        let dry = reflection * lamp.radiant_intensity_w_per_sr * (beam * cos / (3.14159265358979 * r2));
         surface.dry += dry;
         surface.wet += dry * medium_transmittance(frame.lamp_attenuation_per_m, r);
     }
     return surface;
+}
+
+/// What must be alike in neighbouring pixels besides their instance: lamps and patch of surface, in one word.
+fn scene_key(hit: Hit, lit_by: u32) -> u32 {
+    if HAS_BODIES || HAS_MESH {
+        return lit_by ^ lattice_pcg(hit.part);
+    }
+    return lit_by;
 }
 
 /// What one ray brings from a surface, after its way to the camera.

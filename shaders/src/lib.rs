@@ -41,9 +41,21 @@ pub const CAMERA: Part = part!("lib/camera.wgsl");
 pub const PORT: Part = part!("lib/port.wgsl");
 /// Cylinders.
 pub const SOLID: Part = part!("lib/solid.wgsl");
+/// Axes of rods; needs [`MATHS`].
+pub const ARC: Part = part!("lib/arc.wgsl");
+/// Stripes and grain; needs [`LATTICE`] and [`ARC`].
+pub const FINISH: Part = part!("lib/finish.wgsl");
+/// Coats.
+pub const GLOSS: Part = part!("lib/gloss.wgsl");
+/// Balls and cubes; needs [`SOLID`].
+pub const LUMP: Part = part!("lib/lump.wgsl");
+/// Triangles; needs [`SOLID`].
+pub const TRIANGLES: Part = part!("lib/triangles.wgsl");
+/// Places in images.
+pub const TEXTURE: Part = part!("lib/texture.wgsl");
 /// Boxes.
 pub const BVH: Part = part!("lib/bvh.wgsl");
-/// The floor's texture; needs [`LATTICE`].
+/// The floor's texture and ripples; needs [`MATHS`], [`LATTICE`] and [`SOLID`].
 pub const SEABED: Part = part!("lib/seabed.wgsl");
 /// Transmission.
 pub const MEDIUM: Part = part!("lib/medium.wgsl");
@@ -71,6 +83,12 @@ pub const LIB: &[Part] = &[
     CAMERA,
     PORT,
     SOLID,
+    ARC,
+    FINISH,
+    GLOSS,
+    LUMP,
+    TRIANGLES,
+    TEXTURE,
     BVH,
     SEABED,
     MEDIUM,
@@ -86,6 +104,7 @@ pub const LIB: &[Part] = &[
 
 const SCENE: Part = part!("pass/scene.wgsl");
 const EYE: Part = part!("pass/eye.wgsl");
+const CONTENT: Part = part!("pass/content.wgsl");
 const WATER: Part = part!("pass/water.wgsl");
 const TILE: Part = part!("pass/tile.wgsl");
 const SNOW: Part = part!("pass/snow.wgsl");
@@ -94,48 +113,48 @@ const HALO_IMAGE: Part = part!("pass/halo_image.wgsl");
 const HALO_BLUR: Part = part!("pass/halo_blur.wgsl");
 const BEYOND: Part = part!("pass/beyond.wgsl");
 
+/// What every pass that casts rays is made of, and more.
+macro_rules! casting {
+    ($($more:expr),+ $(,)?) => {
+        &[
+            MATHS,
+            LATTICE,
+            CAMERA,
+            PORT,
+            SOLID,
+            ARC,
+            FINISH,
+            GLOSS,
+            LUMP,
+            TRIANGLES,
+            TEXTURE,
+            BVH,
+            SEABED,
+            MEDIUM,
+            LIGHT,
+            SHADOW,
+            HALO,
+            SCENE,
+            CONTENT,
+            EYE,
+            $($more),+
+        ]
+    };
+}
+
 /// One ray a pixel.
 pub const CENTRE: Pass = Pass {
     name: "centre",
-    parts: &[
-        MATHS,
-        LATTICE,
-        CAMERA,
-        PORT,
-        SOLID,
-        BVH,
-        SEABED,
-        MEDIUM,
-        LIGHT,
-        SHADOW,
-        HALO,
-        SCENE,
-        EYE,
-        TILE,
-        part!("pass/centre.wgsl"),
-    ],
+    parts: casting![TILE, part!("pass/centre.wgsl")],
 };
 
 /// The light of the water.
 pub const BACKSCATTER: Pass = Pass {
     name: "backscatter",
-    parts: &[
-        MATHS,
-        LATTICE,
-        CAMERA,
-        PORT,
-        SOLID,
-        BVH,
-        SEABED,
-        MEDIUM,
+    parts: casting![
         PHASE,
-        LIGHT,
         AIRLIGHT,
         AIRLIGHT_GRID,
-        SHADOW,
-        HALO,
-        SCENE,
-        EYE,
         WATER,
         TILE,
         part!("pass/backscatter.wgsl"),
@@ -151,23 +170,10 @@ pub const MARK: Pass = Pass {
 /// All samples of pixels at edges.
 pub const REFINE: Pass = Pass {
     name: "refine",
-    parts: &[
-        MATHS,
-        LATTICE,
-        CAMERA,
-        PORT,
-        SOLID,
-        BVH,
-        SEABED,
-        MEDIUM,
+    parts: casting![
         PHASE,
-        LIGHT,
         AIRLIGHT,
         AIRLIGHT_GRID,
-        SHADOW,
-        HALO,
-        SCENE,
-        EYE,
         WATER,
         TILE,
         part!("pass/refine.wgsl"),
@@ -177,49 +183,18 @@ pub const REFINE: Pass = Pass {
 /// The light of particles of snow.
 pub const FLAKES: Pass = Pass {
     name: "light_flakes",
-    parts: &[
-        MATHS,
-        LATTICE,
-        CAMERA,
-        PORT,
-        SOLID,
-        BVH,
-        SEABED,
-        MEDIUM,
-        LIGHT,
-        SHADOW,
-        SPHERE,
-        HALO,
-        SCENE,
-        EYE,
-        TILE,
-        SNOW,
-        part!("pass/flakes.wgsl"),
-    ],
+    parts: casting![SPHERE, TILE, SNOW, part!("pass/flakes.wgsl"),],
 };
 
 /// Snow before surfaces.
 pub const COMPOSE: Pass = Pass {
     name: "compose",
-    parts: &[
-        MATHS,
-        LATTICE,
-        CAMERA,
-        PORT,
-        SOLID,
-        BVH,
-        SEABED,
-        MEDIUM,
+    parts: casting![
         PHASE,
-        LIGHT,
         AIRLIGHT,
         AIRLIGHT_GRID,
-        SHADOW,
         DISC,
         SPHERE,
-        HALO,
-        SCENE,
-        EYE,
         WATER,
         TILE,
         SNOW,
@@ -245,49 +220,13 @@ pub const WEIGH: Pass = Pass {
 /// The light around the image.
 pub const OVERSCAN: Pass = Pass {
     name: "overscan",
-    parts: &[
-        MATHS,
-        LATTICE,
-        CAMERA,
-        PORT,
-        SOLID,
-        BVH,
-        SEABED,
-        MEDIUM,
-        LIGHT,
-        SHADOW,
-        HALO,
-        SCENE,
-        EYE,
-        HALO_LEVELS,
-        HALO_IMAGE,
-        BEYOND,
-        part!("pass/overscan.wgsl"),
-    ],
+    parts: casting![HALO_LEVELS, HALO_IMAGE, BEYOND, part!("pass/overscan.wgsl"),],
 };
 
 /// The light beyond that.
 pub const FAR: Pass = Pass {
     name: "far",
-    parts: &[
-        MATHS,
-        LATTICE,
-        CAMERA,
-        PORT,
-        SOLID,
-        BVH,
-        SEABED,
-        MEDIUM,
-        LIGHT,
-        SHADOW,
-        HALO,
-        SCENE,
-        EYE,
-        HALO_LEVELS,
-        HALO_IMAGE,
-        BEYOND,
-        part!("pass/far.wgsl"),
-    ],
+    parts: casting![HALO_LEVELS, HALO_IMAGE, BEYOND, part!("pass/far.wgsl"),],
 };
 
 /// Means over cells.

@@ -6,7 +6,7 @@
 pub(crate) mod airlight_grid;
 pub(crate) mod arc;
 pub(crate) mod bodies;
-mod finish;
+pub(crate) mod finish;
 pub(crate) mod halo;
 pub(crate) mod light;
 pub(crate) mod lump;

@@ -3,6 +3,7 @@
 //! The scene is prepared by the reference backend's [`World`], in `f64`, and sent over relative to the centre of each eye. An image
 //! is cut into tiles of rows that the adapter's buffers hold; tiles and the order of edges in a tile change no value.
 
+mod content;
 mod device;
 mod halo;
 mod layout;
@@ -17,7 +18,7 @@ mod upload;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rodsight_geometry::{Band, Eye};
-use rodsight_scene::{Finish, Mode, Scene};
+use rodsight_scene::{Mode, Scene};
 
 pub use device::AdapterChoice;
 
@@ -108,9 +109,8 @@ impl GpuRenderer {
         use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
         let upload = Upload::new(world, eye, band);
-        let limit = self.device.limits.max_storage_buffer_binding_size;
         for (label, contents) in &upload.storage {
-            self.device.check(label, contents.len() as u64, limit)?;
+            self.device.check_storage(label, contents.len() as u64)?;
         }
         let buffer = |label, contents, usage| {
             self.device
@@ -253,11 +253,16 @@ impl GpuRenderer {
                 pixels: vec![PixelTruth::NOTHING; i.width_px as usize * i.height_px as usize],
             }
         });
+        let materials = world.materials();
         let mut read = |(eye, tile, submission): (Eye, &Tile, _), eyes: &mut [EyeFrame; 2]| {
             let width = tile.width as usize;
             let rows = tile.kept.start as usize * width..tile.kept.end as usize * width;
             let pixels = &mut eyes[eye as usize].pixels[rows];
-            buffers[eye as usize].read(&self.device, submission, tile, pixels, times)
+            buffers[eye as usize].read(&self.device, submission, tile, pixels, times)?;
+            for pixel in pixels {
+                pixel.material = materials[pixel.instance as usize];
+            }
+            Ok(())
         };
         // While one eye's tile is read the other eye's is computed.
         let mut before: Option<(Eye, &Tile, wgpu::SubmissionIndex)> = None;
@@ -281,27 +286,8 @@ impl GpuRenderer {
 }
 
 /// What a scene asks for and these shaders do not do, and what to do about it.
-fn missing(scene: &Scene) -> Option<(&'static str, &'static str)> {
-    let seabed = scene.seabed.as_ref();
-    let features = [
-        ("[[occluder]]", !scene.occluders.is_empty()),
-        ("[[prop]]", !scene.props.is_empty()),
-        (
-            "[rod.surface]",
-            scene
-                .rods
-                .iter()
-                .any(|rod| rod.finish != Finish::default() || rod.fouling.is_some()),
-        ),
-        (
-            "[seabed.ripples]",
-            seabed.is_some_and(|s| s.ripples.is_some()),
-        ),
-        (
-            "[seabed.clutter]",
-            seabed.is_some_and(|s| s.clutter.is_some()),
-        ),
-    ];
+fn missing(_scene: &Scene) -> Option<(&'static str, &'static str)> {
+    let features: [(&'static str, bool); 0] = [];
     let missing = features.into_iter().find(|(_, used)| *used);
     missing.map(|(feature, _)| (feature, "render it with the cpu backend"))
 }

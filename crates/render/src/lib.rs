@@ -97,7 +97,7 @@ pub enum RenderError {
     )]
     AdapterLimit {
         adapter: String,
-        limit: &'static str,
+        limit: String,
         wanted: u64,
         found: u64,
     },

@@ -11,22 +11,45 @@ use super::solid::Ray;
 use crate::lattice::pcg;
 
 /// A place on a rod's side, and how large a sample is there.
-struct Place {
-    along_m: f64,
+pub(crate) struct Place {
+    pub(crate) along_m: f64,
     /// Right-handed about the axis.
-    angle_rad: f64,
-    axis: Vec3,
-    around: Vec3,
-    normal: Vec3,
-    eye: Vec3,
+    pub(crate) angle_rad: f64,
+    pub(crate) axis: Vec3,
+    pub(crate) around: Vec3,
+    pub(crate) normal: Vec3,
+    pub(crate) eye: Vec3,
     /// Across the ray, m.
-    footprint_m: f64,
+    pub(crate) footprint_m: f64,
 }
 
 impl Place {
+    /// Where a ray of this direction meets the side; `footprint_m` is the distance of samples across it.
+    pub(crate) fn new(
+        arc: &Arc,
+        point_m: &Vec3,
+        normal: &Vec3,
+        direction: &Vec3,
+        footprint_m: f64,
+    ) -> Self {
+        let along_m = arc.parameter_of(point_m);
+        let axis = arc.at(along_m);
+        let [e1, e2] = arc.across(along_m);
+        let out = point_m - axis.point_m;
+        Self {
+            along_m,
+            angle_rad: libm::atan2(out.dot(&e2), out.dot(&e1)),
+            axis: axis.direction,
+            around: axis.direction.cross(normal),
+            normal: *normal,
+            eye: *direction,
+            footprint_m,
+        }
+    }
+
     /// How much a quantity of this gradient (per metre along the surface) changes within a sample at most: a step of the ray
     /// sideways moves its foot along the surface, the farther the flatter the surface is seen.
-    fn change(&self, gradient: &Vec3) -> f64 {
+    pub(crate) fn change(&self, gradient: &Vec3) -> f64 {
         let facing = self.normal.dot(&self.eye);
         let facing = facing.abs().max(1e-3).copysign(facing);
         let seen = gradient - self.normal * (gradient.dot(&self.eye) / facing);
@@ -35,7 +58,7 @@ impl Place {
 }
 
 /// Albedo of a rod where a ray meets its side; `footprint_m` is the distance of samples across the ray.
-pub(super) fn albedo(
+pub(crate) fn albedo(
     (rod, arc): (&Rod, &Arc),
     base: &Bands,
     seed_word: u32,
@@ -46,20 +69,7 @@ pub(super) fn albedo(
     if finish.stripes.is_none() && finish.grain.is_none() {
         return *base;
     }
-    let point_m = ray.at(t_m);
-    let along_m = arc.parameter_of(&point_m);
-    let axis = arc.at(along_m);
-    let [e1, e2] = arc.across(along_m);
-    let out = point_m - axis.point_m;
-    let place = Place {
-        along_m,
-        angle_rad: libm::atan2(out.dot(&e2), out.dot(&e1)),
-        axis: axis.direction,
-        around: axis.direction.cross(normal),
-        normal: *normal,
-        eye: ray.direction,
-        footprint_m,
-    };
+    let place = Place::new(arc, &ray.at(t_m), normal, &ray.direction, footprint_m);
     let mut colour = *base;
     if let Some(stripes) = &finish.stripes {
         let share = covered(stripes, &place, rod.radius_m);
@@ -73,20 +83,23 @@ pub(super) fn albedo(
 }
 
 /// The share of a sample that stripes cover: the mean of the square wave over the sample's width.
-fn covered(stripes: &Stripes, place: &Place, radius_m: f64) -> f64 {
+pub(crate) fn covered(stripes: &Stripes, place: &Place, radius_m: f64) -> f64 {
     let starts = f64::from(stripes.starts);
     let phase = place.along_m / stripes.period_m - starts * place.angle_rad / TAU;
     let gradient = place.axis / stripes.period_m - place.around * (starts / (TAU * radius_m));
     let half = 0.5 * place.change(&gradient).max(1e-9);
-    let up_to = |x: f64| {
-        let whole = libm::floor(x);
-        whole * stripes.share + (x - whole).min(stripes.share)
-    };
-    ((up_to(phase + half) - up_to(phase - half)) / (2.0 * half)).clamp(0.0, 1.0)
+    let sum = up_to(stripes.share, phase + half) - up_to(stripes.share, phase - half);
+    (sum / (2.0 * half)).clamp(0.0, 1.0)
+}
+
+/// The integral up to x of a square wave of period 1 that begins each period high.
+pub(crate) fn up_to(share: f64, x: f64) -> f64 {
+    let whole = libm::floor(x);
+    whole * share + (x - whole).min(share)
 }
 
 /// Octaves of value noise in [−1, 1]; those finer than two samples are left out.
-fn relief(grain: &Grain, place: &Place, radius_m: f64, seed_word: u32) -> f64 {
+pub(crate) fn relief(grain: &Grain, place: &Place, radius_m: f64, seed_word: u32) -> f64 {
     // Amplitudes 0.4 · 0.6^k: all of them together stay within 1.
     let (mut wavelength_m, mut amplitude, mut relief) = (grain.scale_m, 0.4, 0.0);
     let sample_m = place.change(&place.axis).max(place.change(&place.around));
@@ -107,7 +120,7 @@ fn relief(grain: &Grain, place: &Place, radius_m: f64, seed_word: u32) -> f64 {
 }
 
 /// Smooth noise in [−1, 1] with a node at every integer, of period `cells` in y.
-fn value_noise(seed_word: u32, octave: u32, x: f64, y: f64, cells: u32) -> f64 {
+pub(crate) fn value_noise(seed_word: u32, octave: u32, x: f64, y: f64, cells: u32) -> f64 {
     let (x0, y0) = (libm::floor(x), libm::floor(y));
     let smooth = |s: f64| s * s * s * (s * (6.0 * s - 15.0) + 10.0);
     let (sx, sy) = (smooth(x - x0), smooth(y - y0));
@@ -122,7 +135,7 @@ fn value_noise(seed_word: u32, octave: u32, x: f64, y: f64, cells: u32) -> f64 {
 }
 
 /// All of a scene's seed, and which rod, in 32 bits.
-pub(super) fn seed_word(seed: u64, rod: usize) -> u32 {
+pub(crate) fn seed_word(seed: u64, rod: usize) -> u32 {
     pcg((seed >> 32) as u32 ^ pcg((seed as u32) ^ pcg(rod as u32 + 1)))
 }
 

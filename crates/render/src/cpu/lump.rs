@@ -65,7 +65,7 @@ impl Lump {
 }
 
 /// Where a line first meets the unit ball, and the normal there. The nearest point of the line first: no cancellation from afar.
-fn ball(from: &Vec3, along: &Vec3) -> Option<(f64, Vec3)> {
+pub(crate) fn ball(from: &Vec3, along: &Vec3) -> Option<(f64, Vec3)> {
     let along2 = along.norm_squared();
     let middle = -from.dot(along) / along2;
     let nearest = from + along * middle;
@@ -77,7 +77,7 @@ fn ball(from: &Vec3, along: &Vec3) -> Option<(f64, Vec3)> {
 }
 
 /// Where a line first meets the cube, and the normal there.
-fn cube(from: &Vec3, along: &Vec3) -> Option<(f64, Vec3)> {
+pub(crate) fn cube(from: &Vec3, along: &Vec3) -> Option<(f64, Vec3)> {
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut normal = Vec3::zeros();
     for k in 0..3 {

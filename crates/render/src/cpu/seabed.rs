@@ -5,7 +5,7 @@ use core::f64::consts::TAU;
 use rodsight_geometry::Vec3;
 use rodsight_scene::{Ripples, Seabed};
 
-use super::solid::Ray;
+use super::solid::{Ray, facing};
 use crate::lattice::pcg;
 
 /// Distance along a ray to the floor; `None` if it never gets there.
@@ -16,7 +16,7 @@ pub(super) fn hit(seabed: &Seabed, ray: &Ray) -> Option<f64> {
 
 /// The normal of rippled sand: crests wander by 0.8 rad of their phase over five wavelengths. Ripples finer than two samples are
 /// left out.
-pub(super) fn rippled_normal(ripples: &Ripples, ray: &Ray, t_m: f64, footprint_m: f64) -> Vec3 {
+pub(crate) fn rippled_normal(ripples: &Ripples, ray: &Ray, t_m: f64, footprint_m: f64) -> Vec3 {
     const WANDER_RAD: f64 = 0.8;
     let fade = (ripples.wavelength_m / (2.0 * footprint_m) - 1.0).clamp(0.0, 1.0);
     let point_m = ray.at(t_m);
@@ -35,10 +35,8 @@ pub(super) fn rippled_normal(ripples: &Ripples, ray: &Ray, t_m: f64, footprint_m
         * libm::sin(wavenumber * u + WANDER_RAD * bend_sin);
     let (along_u, along_v) = (steepness, steepness * 0.2 * WANDER_RAD * bend_cos);
     let slope = [along_u * cos - along_v * sin, along_u * sin + along_v * cos];
-    let normal = Vec3::new(-slope[0], -slope[1], -1.0).normalize();
-    // A slope that faces away would be behind the crest before it, which a plane does not have: it is seen edge-on instead.
-    let away = normal.dot(&ray.direction).max(0.0);
-    (normal - ray.direction * away).normalize()
+    let normal = Vec3::new(-slope[0], -slope[1], -1.0);
+    facing(&normal, &ray.direction, &-Vec3::z())
 }
 
 /// Albedo at a point of the floor, seen with samples `footprint_m` apart: octaves of value noise finer than two samples are left

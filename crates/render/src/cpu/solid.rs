@@ -32,6 +32,13 @@ pub(crate) struct SolidHit {
     pub(crate) face: Face,
 }
 
+/// A shading normal as a ray can see it, of unit length: one that looks away, as beside the silhouette of a rounded mesh, is turned
+/// until it is square to the ray, so that nothing jumps there.
+pub(crate) fn facing(normal: &Vec3, direction: &Vec3, face_normal: &Vec3) -> Vec3 {
+    let turned = normal - direction * normal.dot(direction).max(0.0);
+    turned.try_normalize(1e-6).unwrap_or(*face_normal)
+}
+
 /// A finite capped cylinder.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Capped {

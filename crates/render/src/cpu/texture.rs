@@ -53,13 +53,12 @@ impl Pyramid {
     /// The mean colour about a point over a square of `footprint_px` texels a side: linear between texels and between levels.
     pub(crate) fn at(&self, uv: [f64; 2], footprint_px: f64) -> [f64; 3] {
         let last = self.levels.len() - 1;
-        let level = libm::log2(footprint_px.max(1.0)).min(last as f64);
-        let (lower, share) = (libm::floor(level), level - libm::floor(level));
-        let fine = self.bilinear(uv, lower as usize);
+        let (lower, share) = level(footprint_px, last);
+        let fine = self.bilinear(uv, lower);
         if share == 0.0 {
             return fine;
         }
-        let coarse = self.bilinear(uv, lower as usize + 1);
+        let coarse = self.bilinear(uv, lower + 1);
         core::array::from_fn(|k| fine[k] + share * (coarse[k] - fine[k]))
     }
 
@@ -90,8 +89,15 @@ impl Pyramid {
     }
 }
 
+/// The finer of the two levels for samples this many texels apart, and the share of the coarser one.
+pub(crate) fn level(footprint_px: f64, last: usize) -> (usize, f64) {
+    let level = libm::log2(footprint_px.max(1.0)).min(last as f64);
+    let lower = libm::floor(level);
+    (lower as usize, level - lower)
+}
+
 /// The texel that a coordinate beyond the image stands for.
-fn wrapped(at: f64, size: u32, wrap: Wrap) -> usize {
+pub(crate) fn wrapped(at: f64, size: u32, wrap: Wrap) -> usize {
     let n = f64::from(size);
     let modulo = |value: f64, period: f64| value - period * libm::floor(value / period);
     let inside = match wrap {

@@ -3,7 +3,7 @@
 use rodsight_geometry::{Mat3, Vec3};
 use rodsight_scene::Prop;
 
-use super::solid::Ray;
+use super::solid::{Ray, facing};
 use crate::bvh::{Bounds, Bvh};
 use crate::cpu::texture::Pyramid;
 
@@ -14,6 +14,8 @@ pub(crate) struct Paint {
     pub(crate) base: [f64; 3],
     pub(crate) metallic: f64,
     pub(crate) roughness: f64,
+    /// Which prop has it.
+    pub(crate) prop: usize,
     /// Index into [`Triangles::textures`].
     pub(crate) texture: Option<u32>,
 }
@@ -25,8 +27,6 @@ pub(crate) struct Triangles {
     pub(crate) normals: Vec<Vec3>,
     pub(crate) uvs: Vec<[f64; 2]>,
     pub(crate) corners: Vec<[u32; 3]>,
-    /// The prop of each triangle.
-    pub(crate) props: Vec<u32>,
     /// The smooth patch of each triangle: edges between patches are creases.
     pub(crate) patches: Vec<u32>,
     /// The paint of each triangle, in `paints`.
@@ -49,7 +49,7 @@ impl Triangles {
     pub(crate) fn new(props: &[Prop]) -> Self {
         let mut all = Self::default();
         for (index, prop) in props.iter().enumerate() {
-            all.add(index as u32, prop);
+            all.add(index, prop);
         }
         let boxes: Vec<Bounds> = all
             .corners
@@ -60,7 +60,7 @@ impl Triangles {
         all
     }
 
-    fn add(&mut self, index: u32, prop: &Prop) {
+    fn add(&mut self, index: usize, prop: &Prop) {
         let (first_paint, first_texture) = (self.paints.len() as u32, self.textures.len() as u32);
         self.textures
             .extend(prop.mesh.textures.iter().map(Pyramid::new));
@@ -70,6 +70,7 @@ impl Triangles {
                     base: material.base.map(f64::from),
                     metallic: f64::from(material.metallic),
                     roughness: f64::from(material.roughness),
+                    prop: index,
                     texture: material
                         .texture
                         .map(|texture| first_texture + texture as u32),
@@ -94,7 +95,6 @@ impl Triangles {
             let paint = first_paint + part.material as u32;
             self.painted.resize(self.corners.len(), paint);
         }
-        self.props.resize(self.corners.len(), index);
         let patches = self.smooth_patches(first_vertex, first_triangle);
         self.patches.extend(patches);
     }
@@ -181,23 +181,15 @@ impl Triangles {
     pub(crate) fn normals_at(&self, hit: &TriangleHit, ray: &Ray) -> (Vec3, Vec3) {
         let corners = self.corners[hit.index];
         let [a, b, c] = self.points(corners);
-        let towards_eye = |n: Vec3| if n.dot(&ray.direction) > 0.0 { -n } else { n };
-        let facet = towards_eye((b - a).cross(&(c - a)).normalize());
-        let mut normal = Vec3::zeros();
+        let mut interpolated = Vec3::zeros();
         for (corner, weight) in corners.into_iter().zip(hit.weights) {
-            normal += self.normals[corner as usize] * weight;
+            interpolated += self.normals[corner as usize] * weight;
         }
-        let smooth = if normal.dot(&facet) < 0.0 {
-            -normal
-        } else {
-            normal
-        };
-        // Beside a silhouette the interpolated normal may look away from the eye.
-        if smooth.dot(&ray.direction) < 0.0 {
-            (smooth.normalize(), facet)
-        } else {
-            (facet, facet)
-        }
+        normals(
+            &(b - a).cross(&(c - a)).normalize(),
+            &interpolated,
+            &ray.direction,
+        )
     }
 
     /// How fast the interpolated normal turns along the triangle's edges at most, rad/m.
@@ -225,17 +217,19 @@ impl Triangles {
         let corners = self.corners[hit.index];
         let uvs = corners.map(|corner| self.uvs[corner as usize]);
         let at = |k: usize| (0..3).map(|i| hit.weights[i] * uvs[i][k]).sum::<f64>();
-        let texel = pyramid.at(
-            [at(0), at(1)],
-            footprint_m * self.texels_per_m(corners, uvs, pyramid),
-        );
+        let texel = pyramid.at([at(0), at(1)], footprint_m * self.texels_per_m(hit.index));
         core::array::from_fn(|k| paint.base[k] * texel[k])
     }
 
-    /// Texels per metre on a triangle, in the direction where they are densest.
-    fn texels_per_m(&self, corners: [u32; 3], uvs: [[f64; 2]; 3], pyramid: &Pyramid) -> f64 {
+    /// Texels per metre on a triangle, in the direction where they are densest; 0 if it has no texture.
+    pub(crate) fn texels_per_m(&self, index: usize) -> f64 {
+        let Some(texture) = self.paints[self.painted[index] as usize].texture else {
+            return 0.0;
+        };
+        let [size_u, size_v] = self.textures[texture as usize].size_px();
+        let corners = self.corners[index];
+        let uvs = corners.map(|corner| self.uvs[corner as usize]);
         let [a, b, c] = self.points(corners);
-        let [size_u, size_v] = pyramid.size_px();
         let texel = |k: usize| {
             [
                 (uvs[k][0] - uvs[0][0]) * size_u,
@@ -255,16 +249,24 @@ impl Triangles {
     }
 }
 
+/// The rounded normal and the facet's, towards where a ray comes from.
+pub(crate) fn normals(facet: &Vec3, interpolated: &Vec3, direction: &Vec3) -> (Vec3, Vec3) {
+    let along = |n: &Vec3, towards: f64| if towards < 0.0 { -n } else { *n };
+    let facet = along(facet, -facet.dot(direction));
+    let rounded = along(interpolated, interpolated.dot(&facet));
+    (facing(&rounded, direction, &facet), facet)
+}
+
 /// A ray turned to look along z (Woop, Benthin and Wald, Watertight Ray/Triangle Intersection, JCGT 2013): neighbours compute their
 /// common edge alike, so that no ray slips between them.
-struct Sheared {
+pub(crate) struct Sheared {
     origin_m: Vec3,
-    axes: [usize; 3],
-    shear: [f64; 3],
+    pub(crate) axes: [usize; 3],
+    pub(crate) shear: [f64; 3],
 }
 
 impl Sheared {
-    fn new(ray: &Ray) -> Self {
+    pub(crate) fn new(ray: &Ray) -> Self {
         let d = ray.direction;
         let z = d.iamax();
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
@@ -279,7 +281,7 @@ impl Sheared {
     }
 
     /// Distance and the weights of the corners.
-    fn meet(&self, points_m: [Vec3; 3]) -> Option<(f64, [f64; 3])> {
+    pub(crate) fn meet(&self, points_m: [Vec3; 3]) -> Option<(f64, [f64; 3])> {
         let [x, y, z] = self.axes;
         let [sx, sy, sz] = self.shear;
         let [a, b, c] = points_m.map(|point| {

@@ -146,6 +146,23 @@ impl<'a> World<'a> {
         }
     }
 
+    /// The material of each instance.
+    pub(crate) fn materials(&self) -> Vec<u16> {
+        let scene = self.scene;
+        let things = [
+            (1, Thing::Seabed.material()),
+            (scene.rods.len(), Thing::Rod(0).material()),
+            (scene.occluders.len(), Thing::Occluder(0).material()),
+            (scene.props.len(), Thing::Prop(0).material()),
+            (scene.rods.len(), Thing::Growth(0).material()),
+            (1, Thing::Stones.material()),
+        ];
+        let numbered = things
+            .into_iter()
+            .flat_map(|(count, material)| core::iter::repeat_n(material, count));
+        core::iter::once(0).chain(numbered).collect()
+    }
+
     /// The first surface on a ray.
     pub(crate) fn hit(&self, ray: &Ray) -> Option<Hit> {
         let candidates = [
@@ -206,7 +223,7 @@ impl<'a> World<'a> {
             t_m: hit.t_m,
             normal,
             face_normal,
-            thing: Thing::Prop(triangles.props[hit.index] as usize),
+            thing: Thing::Prop(triangles.paint(&hit).prop),
             face: Face::Side,
             part: triangles.patches[hit.index],
             detail: Detail::Triangle(hit),

@@ -8,7 +8,7 @@ use wgpu::{DeviceType, ErrorFilter};
 use crate::RenderError;
 
 /// Storage buffers that one pass binds.
-const STORAGE_BUFFERS: u32 = 17;
+const STORAGE_BUFFERS: u32 = 22;
 /// A submission is a tile; one that takes longer than this hangs.
 const LONGEST_WAIT: Duration = Duration::from_secs(600);
 
@@ -86,13 +86,13 @@ impl Gpu {
             info.name, info.driver, info.driver_info, info.backend
         );
         let limits = adapter.limits();
-        let check = |limit, wanted: u64, found: u64| {
+        let check = |limit: &str, wanted: u64, found: u64| {
             if found >= wanted {
                 return Ok(());
             }
             Err(RenderError::AdapterLimit {
                 adapter: name.clone(),
-                limit,
+                limit: limit.to_owned(),
                 wanted,
                 found,
             })
@@ -152,21 +152,31 @@ impl Gpu {
     }
 
     /// Whether a limit of the adapter is kept.
-    pub(super) fn check(
-        &self,
-        limit: &'static str,
-        wanted: u64,
-        found: u64,
-    ) -> Result<(), RenderError> {
+    pub(super) fn check(&self, limit: &str, wanted: u64, found: u64) -> Result<(), RenderError> {
         if wanted <= found {
             return Ok(());
         }
         Err(RenderError::AdapterLimit {
             adapter: self.adapter.clone(),
-            limit,
+            limit: limit.to_owned(),
             wanted,
             found,
         })
+    }
+
+    /// Whether a storage buffer of so many bytes may be had and bound.
+    pub(super) fn check_storage(&self, of: &str, wanted: u64) -> Result<(), RenderError> {
+        let limits = &self.limits;
+        for (limit, found) in [
+            ("max_buffer_size", limits.max_buffer_size),
+            (
+                "max_storage_buffer_binding_size",
+                limits.max_storage_buffer_binding_size,
+            ),
+        ] {
+            self.check(&format!("{limit}, bytes, for the {of}"), wanted, found)?;
+        }
+        Ok(())
     }
 
     /// Runs something and reports what the device found wrong in it.

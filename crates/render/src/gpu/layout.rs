@@ -1,8 +1,12 @@
 //! Structures shared with WGSL: same names, same fields, same order. A test compares them with the shaders.
 
+mod content;
+
 use encase::ShaderType;
 use rodsight_geometry::Vec3;
 use rodsight_optics::Bands;
+
+pub(super) use content::{Arc, Body, Finish, Lump, Paint, SeabedRipples, Triangle, Vertex};
 
 /// `vec3<f32>`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -94,6 +98,7 @@ pub(super) struct Frame {
     pub(super) other: Camera,
     pub(super) eye_port: Port,
     pub(super) other_port: Port,
+    pub(super) ripples: SeabedRipples,
     pub(super) attenuation_per_m: Vec3f,
     pub(super) horizon_m: f32,
     pub(super) lamp_attenuation_per_m: Vec3f,
@@ -111,6 +116,8 @@ pub(super) struct Frame {
     pub(super) seabed_scale_m: f32,
     pub(super) seabed_seed: u32,
     pub(super) nodes: u32,
+    pub(super) body_nodes: u32,
+    pub(super) mesh_nodes: u32,
     pub(super) lamps: u32,
     pub(super) casters: u32,
     pub(super) samples: u32,
@@ -157,6 +164,10 @@ pub(super) struct BvhNode {
 pub(super) struct Rod {
     pub(super) value: Vec3f,
     pub(super) is_flat: u32,
+    pub(super) arc: Arc,
+    pub(super) finish: Finish,
+    pub(super) reflectance: Vec3f,
+    pub(super) roughness: f32,
 }
 
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
@@ -257,13 +268,13 @@ pub(super) struct SnowPair {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use rodsight_shaders::{CENTRE, MARK, Pass, WEIGH};
 
     use super::*;
 
     /// Name, offset and size of the fields of a WGSL structure, and its size.
-    fn of_shader(pass: &Pass, name: &str) -> (Vec<(String, u64)>, u64) {
+    pub(super) fn of_shader(pass: &Pass, name: &str) -> (Vec<(String, u64)>, u64) {
         let module = naga::front::wgsl::parse_str(&pass.source()).unwrap();
         let found = module
             .types
@@ -295,6 +306,7 @@ mod tests {
             assert_eq!((ours, size), of_shader($pass, stringify!($name)), "{}", stringify!($name));
         }};
     }
+    pub(super) use same;
 
     #[test]
     fn structures_lie_in_memory_as_the_shaders_read_them() {
@@ -332,6 +344,7 @@ mod tests {
                 other,
                 eye_port,
                 other_port,
+                ripples,
                 attenuation_per_m,
                 horizon_m,
                 lamp_attenuation_per_m,
@@ -349,6 +362,8 @@ mod tests {
                 seabed_scale_m,
                 seabed_seed,
                 nodes,
+                body_nodes,
+                mesh_nodes,
                 lamps,
                 casters,
                 samples,
@@ -394,7 +409,17 @@ mod tests {
                 count
             }
         );
-        same!(&CENTRE, Rod { value, is_flat });
+        same!(
+            &CENTRE,
+            Rod {
+                value,
+                is_flat,
+                arc,
+                finish,
+                reflectance,
+                roughness
+            }
+        );
         same!(
             &CENTRE,
             Lamp {

@@ -17,12 +17,16 @@ pub(super) const STAGES: [Pass; 4] = [CENTRE, BACKSCATTER, MARK, REFINE];
 /// Edge of the square of pixels of a workgroup.
 const GROUP: u32 = 8;
 /// Storage buffers of the scene's group, after its uniform.
-const SCENE_BUFFERS: u32 = 8;
+const SCENE_BUFFERS: u32 = 13;
 /// Storage buffers of the tile's group, after its uniform.
 const TILE_BUFFERS: u32 = 8;
 
 /// What is compiled into the passes of an eye; see `scene.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "a scene has any of them or not"
+)]
 pub(super) struct Variant {
     pub(super) mode: u32,
     pub(super) eye_lens: u32,
@@ -32,10 +36,14 @@ pub(super) struct Variant {
     pub(super) has_seabed: bool,
     pub(super) has_phase_table: bool,
     pub(super) has_airlight_table: bool,
+    pub(super) has_finish: bool,
+    pub(super) has_bodies: bool,
+    pub(super) has_mesh: bool,
+    pub(super) has_ripples: bool,
 }
 
 impl Variant {
-    pub(super) fn constants(self) -> [(&'static str, f64); 8] {
+    pub(super) fn constants(self) -> [(&'static str, f64); 12] {
         [
             ("MODE", self.mode),
             ("EYE_LENS", self.eye_lens),
@@ -45,6 +53,10 @@ impl Variant {
             ("HAS_SEABED", self.has_seabed.into()),
             ("PHASE_TABLE", self.has_phase_table.into()),
             ("AIRLIGHT_TABLE", self.has_airlight_table.into()),
+            ("HAS_FINISH", self.has_finish.into()),
+            ("HAS_BODIES", self.has_bodies.into()),
+            ("HAS_MESH", self.has_mesh.into()),
+            ("HAS_RIPPLES", self.has_ripples.into()),
         ]
         .map(|(name, value)| (name, f64::from(value)))
     }

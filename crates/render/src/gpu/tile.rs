@@ -302,7 +302,6 @@ fn unpack(bytes: &[u8], tile: &Tile, rows: &mut [PixelTruth]) {
                     pixel.depth_m = value(surface + 6);
                     pixel.range_m = value(surface + 7);
                     pixel.instance = instance as u16;
-                    pixel.material = instance.min(2) as u16;
                     pixel.occluded = tag & TAG_OCCLUDED != 0;
                     if tag & TAG_IN_VIEW != 0 {
                         pixel.disparity_px = value(surface + 8);

@@ -5,8 +5,9 @@ use encase::internal::WriteInto;
 use rodsight_geometry::port::{Band, PortShape};
 use rodsight_geometry::{Distortion, Eye, MountedCamera, Vec3};
 use rodsight_optics::{Phase, Wells};
-use rodsight_scene::{EdgeSampling, Material, Mode, Scene};
+use rodsight_scene::{EdgeSampling, Finish, Mode};
 
+use super::content;
 use super::layout::{self, Vec2f, Vec4f};
 use super::passes::Variant;
 use crate::bvh::Bvh;
@@ -31,11 +32,9 @@ impl Upload {
     pub(super) fn new(world: &World<'_>, eye: Eye, band: Band) -> Self {
         let mounted = &world.scene.rig.eye(eye).in_band(band);
         let origin_m = world.scene.rig.eye(eye).rig_from_camera.origin_m();
-        let rods: Vec<layout::Rod> = world
-            .scene
-            .rods
-            .iter()
-            .map(|rod| surface(&rod.material))
+        let rods = 0..world.scene.rods.len();
+        let rods: Vec<layout::Rod> = rods
+            .map(|index| content::rod(world, index, &origin_m))
             .collect();
         let lamps: Vec<layout::Lamp> = world
             .lamps
@@ -81,9 +80,19 @@ impl Upload {
             .flatten()
             .map(|&[r, g, b]| [r, g, b, 0.0].into())
             .collect();
-        let nodes = threaded(&world.rods.tree, &origin_m);
+        let triangles = &world.bodies.triangles;
+        let mut nodes = Vec::new();
+        let trees = [&world.rods.tree, &world.bodies.tree, &triangles.tree];
+        let [rod_nodes, body_nodes, mesh_nodes] = trees.map(|tree| {
+            thread(tree, &origin_m, &mut nodes);
+            nodes.len() as u32
+        });
+        let bodies = content::bodies(world, &origin_m);
+        let (paints, texels) = content::paints(world);
         let frame = layout::Frame {
-            nodes: nodes.len() as u32,
+            nodes: rod_nodes,
+            body_nodes,
+            mesh_nodes,
             lamps: lamps.len() as u32,
             casters: (casters.len() / lamps.len().max(1)) as u32,
             samples: offsets.len() as u32,
@@ -103,7 +112,7 @@ impl Upload {
             variant: Variant {
                 has_phase_table: lobes.is_none(),
                 has_airlight_table: !grid.knots.is_empty(),
-                ..variant(world.scene, eye)
+                ..variant(world, eye)
             },
             frame: bytes.into_inner(),
             storage: vec![
@@ -115,6 +124,11 @@ impl Upload {
                 ("phase", storage(phase)),
                 ("nodes", storage(nodes)),
                 ("airlight", storage(airlight)),
+                ("bodies", storage(bodies)),
+                ("vertices", storage(content::vertices(triangles, &origin_m))),
+                ("triangles", storage(content::triangles(triangles))),
+                ("paints", storage(paints)),
+                ("texels", storage(texels)),
             ],
         }
     }
@@ -134,7 +148,8 @@ where
 }
 
 /// Everything of the variant but the tables.
-fn variant(scene: &Scene, eye: Eye) -> Variant {
+fn variant(world: &World<'_>, eye: Eye) -> Variant {
+    let scene = world.scene;
     let lens = |eye| match scene.rig.eye(eye).camera.distortion() {
         Distortion::None => 0,
         Distortion::BrownConrady(_) => 1,
@@ -157,6 +172,10 @@ fn variant(scene: &Scene, eye: Eye) -> Variant {
         eye_port: glass(eye),
         other_port: glass(eye.other()),
         has_seabed: scene.seabed.is_some(),
+        has_finish: scene.rods.iter().any(|rod| rod.finish != Finish::default()),
+        has_bodies: !world.bodies.solids.is_empty(),
+        has_mesh: !world.bodies.triangles.corners.is_empty(),
+        has_ripples: scene.seabed.is_some_and(|s| s.ripples.is_some()),
         ..Variant::default()
     }
 }
@@ -171,6 +190,9 @@ fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
         eye: camera(mounted, &origin_m),
         other: camera(other, &origin_m),
         other_port: port(other),
+        ripples: seabed
+            .and_then(|s| s.ripples.as_ref())
+            .map_or_else(Default::default, content::ripples),
         attenuation_per_m: world.attenuation_per_m.into(),
         horizon_m: world.horizon_m as f32,
         lamp_attenuation_per_m: world.lamp_attenuation_per_m.into(),
@@ -244,18 +266,7 @@ fn port(mounted: &MountedCamera) -> layout::Port {
     }
 }
 
-fn surface(material: &Material) -> layout::Rod {
-    let (value, is_flat) = match material {
-        Material::Lambert(albedo) => (albedo, 0),
-        Material::Flat(radiance) => (radiance, 1),
-    };
-    layout::Rod {
-        value: (*value).into(),
-        is_flat,
-    }
-}
-
-fn solid(piece: &Capped, from_m: &Vec3) -> layout::Solid {
+pub(super) fn solid(piece: &Capped, from_m: &Vec3) -> layout::Solid {
     let axis = &piece.cylinder.axis;
     layout::Solid {
         centre_m: (axis.point_m - from_m).into(),
@@ -291,10 +302,9 @@ enum Step {
     Close(usize),
 }
 
-/// The nodes of a tree in the order of a walk that goes into every box. `first` of an inner node is the node after its last
-/// descendant: where to go on if its box is missed. Boxes grow by what rounding to `f32` may move a ray.
-fn threaded(tree: &Bvh, from_m: &Vec3) -> Vec<layout::BvhNode> {
-    let mut nodes = Vec::with_capacity(tree.nodes.len());
+/// Adds the nodes of a tree in the order of a walk that goes into every box, those nearer to the eye first. `first` of an inner node
+/// is the node after its last descendant: where to go on if its box is missed. Boxes grow by what rounding to `f32` may move a ray.
+fn thread(tree: &Bvh, from_m: &Vec3, nodes: &mut Vec<layout::BvhNode>) {
     let mut stack: Vec<Step> = tree
         .nodes
         .first()
@@ -317,8 +327,16 @@ fn threaded(tree: &Bvh, from_m: &Vec3) -> Vec<layout::BvhNode> {
                     })
                 };
                 if node.count == 0 {
+                    let mut children = [node.first + 1, node.first];
+                    let [other, first] = children.map(|child| {
+                        let node = &tree.nodes[child as usize];
+                        distance2_m2(node.min_m, node.max_m, from_m)
+                    });
+                    if other < first {
+                        children.reverse();
+                    }
                     stack.push(Step::Close(nodes.len()));
-                    stack.extend([Step::Visit(node.first + 1), Step::Visit(node.first)]);
+                    stack.extend(children.map(Step::Visit));
                 }
                 nodes.push(layout::BvhNode {
                     min_m: edge(node.min_m, -1.0).into(),
@@ -329,7 +347,15 @@ fn threaded(tree: &Bvh, from_m: &Vec3) -> Vec<layout::BvhNode> {
             }
         }
     }
-    nodes
+}
+
+/// From a point to the nearest of a box, squared.
+fn distance2_m2(min_m: [f32; 3], max_m: [f32; 3], from_m: &Vec3) -> f64 {
+    let gap = |k: usize| {
+        let (low, high) = (f64::from(min_m[k]), f64::from(max_m[k]));
+        from_m[k] - from_m[k].clamp(low, high)
+    };
+    (0..3).map(|k| gap(k) * gap(k)).sum()
 }
 
 /// Up to four lobes as (amplitude, (1 − g)², 2g, 0), or else a table of logarithms.

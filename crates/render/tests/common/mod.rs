@@ -10,6 +10,8 @@
     reason = "no test binary uses all of it; what is skipped is said"
 )]
 
+pub mod compare;
+
 use rodsight_geometry::{
     Camera, Distortion, Eye, Intrinsics, MountedCamera, Pose, Rig, Vec3, radians, rotation_from_rpy,
 };

@@ -1,6 +1,8 @@
 //! The table: each function's grid, twin and tolerance.
 
 mod camera;
+mod content;
+mod finish;
 mod halo;
 mod light;
 mod port;
@@ -18,6 +20,8 @@ pub(super) fn all() -> Vec<Row> {
     rows.extend(halo::rows());
     rows.extend(port::rows());
     rows.extend(snow::rows());
+    rows.extend(finish::rows());
+    rows.extend(content::rows());
     rows
 }
 

@@ -6,7 +6,7 @@ use rodsight_scene::{Bend, Finish, Material, Rod};
 use super::{grid, random, vec3, yes};
 use crate::bvh::{Node, Slabs};
 use crate::cpu::rod::Rods;
-use crate::cpu::solid::{Capped, Face, Ray};
+use crate::cpu::solid::{Capped, Face, Ray, facing};
 use crate::gpu::shader_parity::Row;
 use crate::gpu::upload::segments;
 
@@ -102,6 +102,21 @@ fn solids() -> Vec<Row> {
             bounded_by: "yes or no",
         },
         normals(),
+        Row {
+            name: "solid_facing",
+            body: "w(0u, solid_facing(v(0u), normalize(v(3u)), vec3<f32>(0.0, 0.0, -1.0)));",
+            inputs: random(14, 1000, 6)
+                .into_iter()
+                .chain([vec![0.0, 0.5, 0.0, 0.0, 1.0, 0.0]])
+                .collect(),
+            twin: Box::new(|x| {
+                let normal = facing(&vec3(x, 0), &vec3(x, 3).normalize(), &-Vec3::z());
+                normal.as_slice().to_vec()
+            }),
+            relative: 0.0,
+            absolute: 1e-5,
+            bounded_by: "normals as long as what is taken from them",
+        },
     ]
 }
 
