@@ -19,6 +19,7 @@
 //! ```
 
 mod airlight;
+mod daylight;
 mod exponential;
 mod gloss;
 mod medium;
@@ -29,6 +30,7 @@ pub mod water;
 mod wells;
 
 pub use airlight::{Airlight, EquiAngular, Node};
+pub use daylight::Daylight;
 pub use gloss::{Coat, Cosines};
 pub use medium::{Medium, MediumError, transmittance};
 pub use phase::{Lobe, Phase, PhaseError};

@@ -286,8 +286,8 @@ impl GpuRenderer {
 }
 
 /// What a scene asks for and these shaders do not do, and what to do about it.
-fn missing(_scene: &Scene) -> Option<(&'static str, &'static str)> {
-    let features: [(&'static str, bool); 0] = [];
+fn missing(scene: &Scene) -> Option<(&'static str, &'static str)> {
+    let features = [("[daylight]", scene.daylight.is_some())];
     let missing = features.into_iter().find(|(_, used)| *used);
     missing.map(|(feature, _)| (feature, "render it with the cpu backend"))
 }

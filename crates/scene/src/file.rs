@@ -15,7 +15,7 @@ pub use content::{
 };
 pub use sensor::{EmvaEntry, PlainSensorEntry, SensorEntry};
 
-use crate::{Lens, Mode, MotionEntry, Output, Snow};
+use crate::{DaylightEntry, Lens, Mode, MotionEntry, Output, Snow};
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
@@ -40,6 +40,9 @@ pub struct SceneFile {
     /// Isotropic ambient radiance at the rig per band (red, green, blue); zero in the deep.
     #[serde(default, skip_serializing_if = "is_default")]
     pub ambient_radiance_w_per_m2_sr: [f64; 3],
+    /// Daylight from above; none in the deep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub daylight: Option<DaylightEntry>,
     /// What is seen where there is nothing, in mode `air`.
     #[serde(default, skip_serializing_if = "is_default")]
     pub background_radiance_w_per_m2_sr: [f64; 3],

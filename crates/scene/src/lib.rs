@@ -17,6 +17,7 @@
 mod camera;
 mod check;
 mod content;
+mod daylight;
 mod error;
 mod file;
 mod mesh;
@@ -31,6 +32,7 @@ mod write;
 pub use camera::{
     Aperture, Bayer, BayerPattern, Demosaic, ImageFormat, Lens, Motion, MotionEntry, Output,
 };
+pub use daylight::DaylightEntry;
 pub use error::SceneError;
 pub use file::{AutoExposureEntry, FournierForandEntry, HenyeyGreensteinEntry, PlainSensorEntry};
 pub use file::{

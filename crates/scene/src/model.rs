@@ -5,7 +5,7 @@
 mod content;
 
 use rodsight_geometry::{Eye, Rig, Vec3};
-use rodsight_optics::{Bands, Medium};
+use rodsight_optics::{Bands, Daylight, Medium};
 
 pub use content::{Clutter, Finish, Fouling, Gloss, Grain, Occluder, Prop, PropFrame, Ripples};
 pub use content::{Shape, Stripes};
@@ -29,6 +29,8 @@ pub struct Scene {
     pub medium: Medium,
     /// Isotropic ambient radiance at the rig, W m⁻² sr⁻¹; zero in the deep.
     pub ambient_radiance: Bands,
+    /// Daylight, its depth counted from the rig's origin; none in the deep.
+    pub daylight: Option<Daylight>,
     /// What is seen where there is nothing, in mode `air`, W m⁻² sr⁻¹.
     pub background_radiance: Bands,
     /// The lamps.

@@ -66,10 +66,11 @@ impl SceneFile {
             "ambient_radiance_w_per_m2_sr",
             self.ambient_radiance_w_per_m2_sr,
         )?;
-        if self.mode == Mode::Koschmieder && ambient_radiance == [0.0; 3] {
+        let dark = ambient_radiance == [0.0; 3] && self.daylight.is_none();
+        if self.mode == Mode::Koschmieder && dark {
             return Err(no.value(
                 "ambient_radiance_w_per_m2_sr",
-                "> 0 in at least one band in mode \"koschmieder\", which knows no lamps",
+                "> 0 in at least one band, or [daylight], in mode \"koschmieder\", which knows no lamps",
                 list(ambient_radiance),
             ));
         }
@@ -103,6 +104,10 @@ impl SceneFile {
             rig: self.rig(path, &no)?,
             mode: self.mode,
             water_label,
+            daylight: self
+                .daylight
+                .map(|daylight| daylight.to_daylight(&no, &medium))
+                .transpose()?,
             medium,
             ambient_radiance,
             background_radiance: no.not_negative_bands(

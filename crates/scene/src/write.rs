@@ -11,7 +11,9 @@ use crate::file::{
     PropEntry, RipplesEntry, RodEntry, SamplingEntry, SceneFile, SeabedEntry, SensorEntry,
     SurfaceEntry, TargetEntry, WaterEntry,
 };
-use crate::{EdgeSampling, Exposure, Lamp, Material, MotionEntry, Rod, Scene, Sensor};
+use crate::{
+    DaylightEntry, EdgeSampling, Exposure, Lamp, Material, MotionEntry, Rod, Scene, Sensor,
+};
 
 impl SceneFile {
     /// The file that describes a scene with nothing left to look up: the rig inline, the water by its numbers. A scene that
@@ -25,6 +27,7 @@ impl SceneFile {
             mode: scene.mode,
             bits: scene.bits,
             ambient_radiance_w_per_m2_sr: scene.ambient_radiance,
+            daylight: scene.daylight.map(DaylightEntry::from_daylight),
             background_radiance_w_per_m2_sr: scene.background_radiance,
             rig_file: None,
             rig: Some(RigFile::from_rig(&scene.rig)),

@@ -1,7 +1,7 @@
 //! Light: lamps, their cones and shadows, surfaces, and the light scattered back by the water.
 
 use rodsight_geometry::Vec3;
-use rodsight_optics::{Airlight, Bands, Cosines, transmittance};
+use rodsight_optics::{Airlight, Bands, Cosines, Daylight, transmittance};
 use rodsight_scene::{Lamp, Material, Mode};
 
 use super::shadow::{MIN_STRETCH_M, Shadows};
@@ -81,16 +81,16 @@ impl World<'_> {
             }
             Material::Lambert(albedo) => albedo,
         };
-        let ambient = core::array::from_fn(|k| albedo[k] * self.scene.ambient_radiance[k]);
+        let point = ray.at(hit.t_m);
+        let [wet, dry] = self.ambient_on(&point, -hit.normal.z);
         let mut surface = Surface {
-            wet: ambient,
-            dry: ambient,
+            wet: core::array::from_fn(|k| albedo[k] * wet[k]),
+            dry: core::array::from_fn(|k| albedo[k] * dry[k]),
             lit_by: 0,
         };
         if self.scene.mode == Mode::Koschmieder {
             return surface;
         }
-        let point = ray.at(hit.t_m);
         for (index, light) in self.lamps.iter().enumerate() {
             let to_point = point - light.lamp.position_m;
             let r = to_point.norm();
@@ -117,6 +117,22 @@ impl World<'_> {
         surface
     }
 
+    /// The radiance of a white matt surface in ambient light and daylight, by the upward part of its normal: in the water, and without
+    /// any as bright as at the rig. Nothing throws a shadow in either.
+    pub(super) fn ambient_on(&self, point_m: &Vec3, normal_up: f64) -> [Bands; 2] {
+        let ambient = self.scene.ambient_radiance;
+        let Some(daylight) = &self.scene.daylight else {
+            return [ambient; 2];
+        };
+        let share = Daylight::face_share(normal_up) / core::f64::consts::PI;
+        let dry = core::array::from_fn(|k| ambient[k] + share * daylight.irradiance_w_per_m2[k]);
+        if self.scene.mode == Mode::Air {
+            return [dry; 2];
+        }
+        let there = daylight.downwelling(point_m.z);
+        [core::array::from_fn(|k| ambient[k] + share * there[k]), dry]
+    }
+
     pub(super) fn is_blocked(&self, lamp_m: &Vec3, direction: &Vec3, distance_m: f64) -> bool {
         let ray = Ray {
             origin_m: *lamp_m,
@@ -136,7 +152,7 @@ impl World<'_> {
     /// Light the water scatters into a ray of the given length (infinite where there is no surface): single scattering of every
     /// lamp, shadowed by the rods, and the veil of the ambient light. `unshadowed` is what the lamps' would be without rods.
     pub(super) fn backscatter(&self, ray: &Ray, distance_m: f64, unshadowed: &Bands) -> Bands {
-        let mut light = self.veil(distance_m);
+        let mut light = self.veil(ray, distance_m);
         if !self.has_airlight() {
             return light;
         }
@@ -161,14 +177,18 @@ impl World<'_> {
         light
     }
 
-    /// The veil of the ambient light: B∞ (1 − e^(−c z)) with B∞ = b L / c. In mode `full` K and b(1 − ⟨cos θ⟩) stand for c and b: light
-    /// scattered forwards stays what it was.
-    pub(super) fn veil(&self, distance_m: f64) -> Bands {
+    /// The veil of the ambient light, B∞ (1 − e^(−c z)) with B∞ = b L / c, and of daylight. In mode `full` K and b(1 − ⟨cos θ⟩) stand for
+    /// c and b: light scattered forwards stays what it was.
+    pub(super) fn veil(&self, ray: &Ray, distance_m: f64) -> Bands {
         let (c, b) = (&self.lamp_attenuation_per_m, &self.scattering_per_m);
         let ambient = &self.scene.ambient_radiance;
-        if self.scene.mode == Mode::Air || *ambient == [0.0; 3] {
+        let sky = self.scene.daylight.as_ref();
+        if self.scene.mode == Mode::Air || (*ambient == [0.0; 3] && sky.is_none()) {
             return [0.0; 3];
         }
+        let sky = sky.map_or([0.0; 3], |sky| {
+            sky.veil([c, b], ray.origin_m.z, ray.direction.z, distance_m)
+        });
         core::array::from_fn(|k| {
             let veil = if distance_m.is_finite() {
                 -libm::expm1(-c[k] * distance_m)
@@ -176,7 +196,7 @@ impl World<'_> {
                 1.0
             };
             if c[k] > 0.0 {
-                b[k] / c[k] * ambient[k] * veil
+                b[k] / c[k] * ambient[k] * veil + sky[k]
             } else {
                 0.0
             }

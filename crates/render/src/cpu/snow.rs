@@ -99,7 +99,8 @@ impl Caster<'_> {
         }
         let (gain, range_m) = (place.gain, place.range_m);
         let (lamps, from) = self.lamps_on(albedo, &place.centre_m, &place.to_eye);
-        let ambient = self.world.scene.ambient_radiance;
+        // The mean normal of a ball's disc is two thirds of the way to the eye.
+        let [ambient, _] = (self.world).ambient_on(&place.centre_m, -2.0 / 3.0 * place.to_eye.z);
         let wet: Bands = core::array::from_fn(|k| gain * (lamps[k] + albedo[k] * ambient[k]));
         let attenuated = transmittance(&self.world.attenuation_per_m, range_m);
         let mut flake = Flake {
@@ -258,7 +259,7 @@ impl Caster<'_> {
     }
 
     fn water_light(&self, ray: &Ray, pixel: &Pixel, distance_m: f64) -> Bands {
-        let veil = self.world.veil(distance_m);
+        let veil = self.world.veil(ray, distance_m);
         if !self.world.has_airlight() {
             return veil;
         }

@@ -53,6 +53,7 @@ pub fn empty(shrink: u32) -> Scene {
         water_label: "vacuum".to_owned(),
         medium: Medium::vacuum(),
         ambient_radiance: [0.0; 3],
+        daylight: None,
         background_radiance: [0.0; 3],
         lamps: Vec::new(),
         rods: Vec::new(),
