@@ -11,6 +11,8 @@ mod passes;
 #[cfg(test)]
 mod shader_parity;
 mod snow;
+#[cfg(test)]
+mod tests;
 mod tile;
 mod timer;
 mod upload;
@@ -106,28 +108,13 @@ impl GpuRenderer {
 
     /// The scene's buffers as one eye sees them in one band.
     fn bind(&self, world: &World<'_>, eye: Eye, band: Band) -> Result<SceneBuffers, RenderError> {
-        use wgpu::util::{BufferInitDescriptor, DeviceExt};
-
         let upload = Upload::new(world, eye, band);
+        let device = &self.device;
+        let mut buffers =
+            vec![device.filled("frame", &upload.frame, wgpu::BufferUsages::UNIFORM)?];
         for (label, contents) in &upload.storage {
-            self.device.check_storage(label, contents.len() as u64)?;
+            buffers.push(device.filled(label, contents, wgpu::BufferUsages::STORAGE)?);
         }
-        let buffer = |label, contents, usage| {
-            self.device
-                .device
-                .create_buffer_init(&BufferInitDescriptor {
-                    label: Some(label),
-                    contents,
-                    usage,
-                })
-        };
-        let mut buffers = vec![buffer("frame", &upload.frame, wgpu::BufferUsages::UNIFORM)];
-        buffers.extend(
-            upload
-                .storage
-                .iter()
-                .map(|(label, contents)| buffer(label, contents, wgpu::BufferUsages::STORAGE)),
-        );
         let buffers: Vec<&wgpu::Buffer> = buffers.iter().collect();
         let layout = &self.passes.scene;
         let mounted = world.scene.rig.eye(eye).in_band(band);

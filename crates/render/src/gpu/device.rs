@@ -29,7 +29,7 @@ pub(super) struct Gpu {
     pub(super) limits: wgpu::Limits,
     /// Name, driver and interface, as it stands in records.
     pub(super) adapter: String,
-    /// What went wrong outside of any scope: a lost device.
+    /// The first that went wrong outside of any scope: a lost device, most of all.
     lost: Arc<Mutex<Option<String>>>,
 }
 
@@ -122,12 +122,10 @@ impl Gpu {
         .map_err(|error| refused(&error))?;
         let lost = Arc::new(Mutex::new(None));
         let note = Arc::clone(&lost);
-        device.set_device_lost_callback(move |reason, message| {
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                note.lock()
-                    .expect("nobody panics with it")
-                    .get_or_insert(message);
-            }
+        device.set_device_lost_callback(move |_, message| {
+            note.lock()
+                .expect("nobody panics with it")
+                .get_or_insert(format!("the device is lost: {message}"));
         });
         let note = Arc::clone(&lost);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
@@ -179,6 +177,31 @@ impl Gpu {
         Ok(())
     }
 
+    /// A buffer with these contents.
+    pub(super) fn filled(
+        &self,
+        label: &str,
+        contents: &[u8],
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, RenderError> {
+        let size = contents.len() as u64;
+        self.check_storage(label, size)?;
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage,
+            mapped_at_creation: true,
+        });
+        // There is nothing to write to where memory ran out or the device is lost.
+        let mut view = buffer.get_mapped_range_mut(..).map_err(|error| {
+            self.error(format!("buffer of {size} bytes for the {label}: {error}"))
+        })?;
+        view.copy_from_slice(contents);
+        drop(view);
+        buffer.unmap();
+        Ok(buffer)
+    }
+
     /// Runs something and reports what the device found wrong in it.
     pub(super) fn watched<T>(
         &self,
@@ -195,11 +218,13 @@ impl Gpu {
         for scope in scopes.into_iter().rev() {
             found = pollster::block_on(scope.pop()).or(found);
         }
-        if let Some(error) = found {
-            return Err(self.error(error.to_string()));
-        }
+        // On a lost device everything else fails too. That it is lost is told when it is asked.
+        self.device.poll(wgpu::PollType::Poll).ok();
         if let Some(message) = self.lost.lock().expect("nobody panics with it").clone() {
             return Err(self.error(message));
+        }
+        if let Some(error) = found {
+            return Err(self.error(error.to_string()));
         }
         result
     }

@@ -134,14 +134,6 @@ impl HaloEye {
             }))
         };
         let plane = |label, floats| buffer(label, floats, BufferUsages::STORAGE);
-        let filled = |label, contents: &[u8], usage| {
-            use wgpu::util::{BufferInitDescriptor, DeviceExt};
-            d.create_buffer_init(&BufferInitDescriptor {
-                label: Some(label),
-                contents,
-                usage,
-            })
-        };
         let (knots, longest_m) = halo.knots();
         let shares: Vec<Vec4f> = knots
             .iter()
@@ -149,7 +141,7 @@ impl HaloEye {
                 (0..Halo::LEVELS).map(|j| [red[j], green[j], blue[j], 0.0].into())
             })
             .collect();
-        let shares = filled("halo: shares", &packed(shares), BufferUsages::STORAGE);
+        let shares = device.filled("halo: shares", &packed(shares), BufferUsages::STORAGE)?;
         let outside = plane(
             "halo: bytes around the image",
             4 * u64::from(shape.patches()),
@@ -187,7 +179,7 @@ impl HaloEye {
             ..shape.uniform()
         };
         bytes.write(&uniform).expect("a vector grows");
-        let uniform = filled("halo", &bytes.into_inner(), BufferUsages::UNIFORM);
+        let uniform = device.filled("halo", &bytes.into_inner(), BufferUsages::UNIFORM)?;
         let level = limits.min_uniform_buffer_offset_alignment.max(16);
         let indices: Vec<u8> = (0..Halo::LEVELS as u32)
             .flat_map(|index| {
@@ -196,7 +188,7 @@ impl HaloEye {
                 bytes
             })
             .collect();
-        let indices = filled("halo: levels", &indices, BufferUsages::UNIFORM);
+        let indices = device.filled("halo: levels", &indices, BufferUsages::UNIFORM)?;
         let levels = d.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("halo"),
             layout: &passes.levels,

@@ -77,21 +77,10 @@ impl Snow {
         let (first, pairs) = pixels_of(&places, size);
         let origin_m = mounted.rig_from_camera.origin_m();
         let flakes = places.iter().map(|place| flake(place, &origin_m)).collect();
-        let limits = &device.limits;
-        let binding = limits
-            .max_storage_buffer_binding_size
-            .min(limits.max_buffer_size);
-        let buffer = |label: &'static str, contents: Vec<u8>| {
-            use wgpu::util::{BufferInitDescriptor, DeviceExt};
-            device.check(label, contents.len() as u64, binding)?;
-            Ok(device.device.create_buffer_init(&BufferInitDescriptor {
-                label: Some(label),
-                contents: &contents,
-                usage: BufferUsages::STORAGE,
-            }))
-        };
+        let buffer =
+            |label, contents: Vec<u8>| device.filled(label, &contents, BufferUsages::STORAGE);
         let count = places.len() as u32;
-        let groups = limits.max_compute_workgroups_per_dimension;
+        let groups = device.limits.max_compute_workgroups_per_dimension;
         device.check(
             "workgroups of snow",
             count.div_ceil(GROUP).into(),
@@ -99,9 +88,9 @@ impl Snow {
         )?;
         Ok(Self {
             count,
-            flakes: buffer("snow: bytes of particles", storage::<layout::Flake>(flakes))?,
-            first: buffer("snow: bytes of pixels", storage(first))?,
-            pairs: buffer("snow: bytes of pairs of particle and pixel", storage(pairs))?,
+            flakes: buffer("particles of snow", storage::<layout::Flake>(flakes))?,
+            first: buffer("pixels of snow", storage(first))?,
+            pairs: buffer("pairs of particle and pixel", storage(pairs))?,
         })
     }
 
