@@ -9,6 +9,8 @@ struct Caster {
     touching_minus_m: vec3<f32>,
     /// 0 if the lamp looks at a cap only.
     touches: u32,
+    /// 2 + index of the rod.
+    instance: u32,
 }
 
 /// The plane of a lamp and a ray.

@@ -73,6 +73,8 @@ struct Frame {
     grid_scale: vec2<f32>,
     /// Lobes of the phase function; those that it has not have no amplitude.
     lobes: array<vec4<f32>, 4>,
+    /// Two forward lobes each: shares of all of them, and half their widths.
+    soft_lobes: array<vec4<f32>, 7>,
     /// Of c, what the halo gives back.
     regained_per_m: vec3<f32>,
     snow_albedo: vec3<f32>,
@@ -184,6 +186,16 @@ fn scene_hit(origin_m: vec3<f32>, direction: vec3<f32>) -> Hit {
 /// Whether anything but the seabed meets the first `length_m` of a ray: of what the ray is cast for, at a surface of `own`, only
 /// what stands well before the end.
 fn scene_is_blocked(origin_m: vec3<f32>, direction: vec3<f32>, length_m: f32, own: Hit) -> bool {
+    return scene_rods_block(origin_m, direction, length_m, own) || scene_bodies_block(origin_m, direction, length_m, own);
+}
+
+fn scene_bodies_block(origin_m: vec3<f32>, direction: vec3<f32>, length_m: f32, own: Hit) -> bool {
+    let reach = length_m * (1.0 - GAP) - GAP;
+    return (HAS_BODIES && content_body_blocks(origin_m, direction, reach, own))
+        || (HAS_MESH && content_triangle_blocks(origin_m, direction, reach, own));
+}
+
+fn scene_rods_block(origin_m: vec3<f32>, direction: vec3<f32>, length_m: f32, own: Hit) -> bool {
     let reach = length_m * (1.0 - GAP) - GAP;
     let per_direction = bvh_per_direction(direction);
     var n = 0u;
@@ -201,8 +213,38 @@ fn scene_is_blocked(origin_m: vec3<f32>, direction: vec3<f32>, length_m: f32, ow
             }
         }
     }
-    return (HAS_BODIES && content_body_blocks(origin_m, direction, reach, own))
-        || (HAS_MESH && content_triangle_blocks(origin_m, direction, reach, own));
+    return false;
+}
+
+/// Share of a lamp's scattered light that reaches a place, from the lamp; a rod stops none of its own.
+fn scene_soft_share(lamp: u32, point_m: vec3<f32>, own: Hit) -> f32 {
+    var passed = 1.0;
+    var stopped = 0.0;
+    let first = lamp * frame.casters;
+    for (var i = first; i < first + frame.casters; i++) {
+        if i > first && casters[i].instance != casters[i - 1u].instance {
+            passed *= max(1.0 - stopped, 0.0);
+            stopped = 0.0;
+        }
+        if casters[i].instance == own.instance {
+            continue;
+        }
+        let rectangle = penumbra_rectangle(casters[i].solid, point_m);
+        if rectangle.across.x >= rectangle.across.y {
+            continue;
+        }
+        for (var k = 0u; k < 7u; k++) {
+            let lobes = frame.soft_lobes[k];
+            if lobes.x == 0.0 {
+                break;
+            }
+            stopped += lobes.x * penumbra_share(rectangle, lobes.y);
+            if lobes.z > 0.0 {
+                stopped += lobes.z * penumbra_share(rectangle, lobes.w);
+            }
+        }
+    }
+    return passed * max(1.0 - stopped, 0.0);
 }
 
 /// Whether anything hides what a ray hit from a place.
@@ -312,17 +354,27 @@ fn scene_surface(direction: vec3<f32>, hit: Hit) -> Surface {
         let cos = -dot(hit.normal, towards);
         let beam = light_cone(lamp, towards);
         let lit = cos > 0.0 && dot(hit.face_normal, towards) < 0.0;
-        if !lit || beam == 0.0 || scene_is_blocked(lamp.position_m, towards, r, hit) {
+        if !lit || beam == 0.0 || scene_bodies_block(lamp.position_m, towards, r, hit) {
             continue;
         }
-        surface.lit_by |= 1u << (i % 32u);
+        let sharp = !scene_rods_block(lamp.position_m, towards, r, hit);
+        if !sharp && MODE != MODE_FULL {
+            continue;
+        }
+        surface.lit_by |= select(0u, 1u << (i % 32u), sharp);
         var reflection = look.albedo;
         if (HAS_FINISH || HAS_MESH) && look.coat.width2 > 0.0 {
             reflection = gloss_reflection(look.coat, look.albedo, scene_cosines(hit.normal, towards, direction));
         }
         let dry = reflection * lamp.radiant_intensity_w_per_sr * (beam * cos / (3.14159265358979 * r2));
-        surface.dry += dry;
-        surface.wet += dry * medium_transmittance(frame.lamp_attenuation_per_m, r);
+        surface.dry += select(vec3<f32>(0.0), dry, sharp);
+        var arriving = medium_transmittance(frame.lamp_attenuation_per_m, r);
+        if MODE == MODE_FULL {
+            let straight = medium_transmittance(frame.attenuation_per_m, r);
+            let soft = scene_soft_share(i, to_point, hit) * (arriving - straight);
+            arriving = select(soft, straight + soft, sharp);
+        }
+        surface.wet += dry * arriving;
     }
     return surface;
 }

@@ -69,6 +69,8 @@ pub const AIRLIGHT: Part = part!("lib/airlight.wgsl");
 pub const AIRLIGHT_GRID: Part = part!("lib/airlight_grid.wgsl");
 /// Shadows in the water; needs [`SOLID`].
 pub const SHADOW: Part = part!("lib/shadow.wgsl");
+/// Soft shadows; needs [`SOLID`].
+pub const PENUMBRA: Part = part!("lib/penumbra.wgsl");
 /// Pixels under discs; needs [`MATHS`].
 pub const DISC: Part = part!("lib/disc.wgsl");
 /// Matt spheres; needs [`MATHS`].
@@ -97,6 +99,7 @@ pub const LIB: &[Part] = &[
     AIRLIGHT,
     AIRLIGHT_GRID,
     SHADOW,
+    PENUMBRA,
     DISC,
     SPHERE,
     HALO,
@@ -133,6 +136,7 @@ macro_rules! casting {
             MEDIUM,
             LIGHT,
             SHADOW,
+            PENUMBRA,
             HALO,
             SCENE,
             CONTENT,

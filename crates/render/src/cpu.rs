@@ -11,6 +11,7 @@ pub(crate) mod halo;
 pub(crate) mod light;
 pub(crate) mod lump;
 pub(crate) mod overscan;
+pub(crate) mod penumbra;
 pub(crate) mod plane;
 pub(crate) mod rod;
 pub(crate) mod seabed;

@@ -6,7 +6,7 @@ use rodsight_scene::{Lamp, Material, Mode};
 
 use super::shadow::{MIN_STRETCH_M, Shadows};
 use super::solid::{Capped, Ray};
-use super::world::{Hit, World};
+use super::world::{Hit, Thing, World};
 
 /// Lengths of shadow rays end this much short of their surface, relative and absolute.
 const SHADOW_GAP: f64 = 1e-6;
@@ -36,7 +36,7 @@ pub(crate) struct LampLight {
 }
 
 impl LampLight {
-    pub(crate) fn new(lamp: &Lamp, pieces: impl Iterator<Item = Capped>) -> Self {
+    pub(crate) fn new(lamp: &Lamp, pieces: impl Iterator<Item = (usize, Capped)>) -> Self {
         Self {
             lamp: *lamp,
             cos_inner: libm::cos(lamp.inner_half_angle_rad),
@@ -98,23 +98,64 @@ impl World<'_> {
             let cos = -hit.normal.dot(&direction);
             let beam = cone(light, &direction);
             let lit = cos > 0.0 && hit.face_normal.dot(&direction) < 0.0;
-            if !lit || beam == 0.0 || self.is_blocked(&light.lamp.position_m, &direction, r) {
+            if !lit || beam == 0.0 {
                 continue;
             }
-            surface.lit_by |= 1 << (index % 32);
+            let own = match hit.thing {
+                Thing::Rod(rod) => Some(rod),
+                _ => None,
+            };
+            let Some((is_sharp, arriving)) = self.arriving(light, &point, own) else {
+                continue;
+            };
+            surface.lit_by |= u32::from(is_sharp) << (index % 32);
             let reflection = match &look.coat {
                 Some(coat) => coat.reflection(&albedo, &cosines(&hit.normal, &direction, ray)),
                 None => albedo,
             };
-            let falloff = transmittance(&self.lamp_attenuation_per_m, r);
             for k in 0..3 {
                 let dry = reflection[k] * light.lamp.radiant_intensity_w_per_sr[k] * beam * cos
                     / (core::f64::consts::PI * r * r);
-                surface.dry[k] += dry;
-                surface.wet[k] += dry * falloff[k];
+                surface.dry[k] += if is_sharp { dry } else { 0.0 };
+                surface.wet[k] += dry * arriving[k];
             }
         }
         surface
+    }
+
+    /// Whether a lamp shines on a place straight, and the share of its light that arrives there: e^(−K r) without rods. In mode `full`
+    /// a rod's shadow is sharp in e^(−c r) and soft in the rest: V e^(−c r) + V soft (e^(−K r) − e^(−c r)). Other bodies' shadows are sharp
+    /// in all of it: then nothing arrives.
+    fn arriving(
+        &self,
+        light: &LampLight,
+        point_m: &Vec3,
+        own: Option<usize>,
+    ) -> Option<(bool, Bands)> {
+        let lamp_m = light.lamp.position_m;
+        let to_point = point_m - lamp_m;
+        let r = to_point.norm();
+        let ray = Ray {
+            origin_m: lamp_m,
+            direction: to_point / r,
+        };
+        let reach = r * (1.0 - SHADOW_GAP) - SHADOW_GAP;
+        let is_sharp = !self.rods.block(&ray, reach);
+        if (!is_sharp && self.soft_lobes.is_empty()) || self.bodies.block(&ray, reach) {
+            return None;
+        }
+        let all = transmittance(&self.lamp_attenuation_per_m, r);
+        if self.soft_lobes.is_empty() {
+            return Some((true, all));
+        }
+        let soft = light.shadows.soft_share(point_m, &self.soft_lobes, own);
+        if is_sharp && soft == 1.0 {
+            return Some((true, all));
+        }
+        let sharp = transmittance(&self.attenuation_per_m, r);
+        let straight = f64::from(u8::from(is_sharp));
+        let sum = |k: usize| straight * sharp[k] + soft * (all[k] - sharp[k]);
+        Some((is_sharp, core::array::from_fn(sum)))
     }
 
     /// The radiance of a white matt surface in ambient light and daylight, by the upward part of its normal: in the water, and without

@@ -12,7 +12,7 @@ const GAP: f64 = 1e-6;
 /// What may stand in the light of one lamp: straight pieces of rods.
 #[derive(Clone, Debug)]
 pub(crate) struct Shadows {
-    lamp_m: Vec3,
+    pub(crate) lamp_m: Vec3,
     pub(crate) casters: Vec<Caster>,
 }
 
@@ -20,6 +20,8 @@ pub(crate) struct Shadows {
 #[derive(Clone, Debug)]
 pub(crate) struct Caster {
     pub(crate) piece: Capped,
+    /// The rod it is of.
+    pub(crate) rod: usize,
     centre_m: Vec3,
     pub(crate) bounding_radius_m: f64,
     /// The lines along which the two planes through the lamp touch the side, by their point beside the piece's centre; none if
@@ -59,8 +61,9 @@ impl Section {
 }
 
 impl Shadows {
-    pub(crate) fn new(lamp_m: Vec3, pieces: impl Iterator<Item = Capped>) -> Self {
-        let casters = pieces.map(|piece| {
+    /// Pieces come with the index of their rod.
+    pub(crate) fn new(lamp_m: Vec3, pieces: impl Iterator<Item = (usize, Capped)>) -> Self {
+        let casters = pieces.map(|(rod, piece)| {
             let (axis, radius_m) = (piece.cylinder.axis, piece.cylinder.radius_m);
             let centre_m = axis.point_m - lamp_m;
             let touching_m = piece.cylinder.tangent_planes(&lamp_m).map(|planes| {
@@ -71,6 +74,7 @@ impl Shadows {
             });
             Caster {
                 piece,
+                rod,
                 centre_m,
                 bounding_radius_m: libm::hypot(piece.half_length_m, radius_m),
                 touching_m,
@@ -236,7 +240,7 @@ mod tests {
                 continue;
             }
             let distance_m = piece.hit(&ray).map_or(4.0, |hit| hit.t_m);
-            let shadows = Shadows::new(lamp_m, core::iter::once(piece));
+            let shadows = Shadows::new(lamp_m, core::iter::once((0, piece)));
             let dark = shadows.dark_stretches(&ray, distance_m);
             let found: f64 = dark.iter().map(|(from, to)| to - from).sum();
             let step = distance_m / f64::from(STEPS);
@@ -266,7 +270,7 @@ mod tests {
             },
             half_length_m: 1.0,
         };
-        let shadows = Shadows::new(Vec3::zeros(), core::iter::once(piece));
+        let shadows = Shadows::new(Vec3::zeros(), core::iter::once((0, piece)));
         let ray = Ray {
             origin_m: Vec3::zeros(),
             direction: Vec3::x(),

@@ -1,12 +1,13 @@
 //! A scene prepared for ray-casting.
 
 use rodsight_geometry::{Eye, MountedCamera, Pixel, Vec3};
-use rodsight_optics::{Bands, Coat};
+use rodsight_optics::{Bands, Coat, ForwardLobe};
 use rodsight_scene::{Material, Mode, Scene};
 
 use super::bodies::Bodies;
 use super::finish;
 use super::light::LampLight;
+use super::penumbra::soft_lobes;
 use super::rod::Rods;
 use super::seabed;
 use super::solid::{Face, Ray};
@@ -23,6 +24,8 @@ pub(crate) struct World<'a> {
     pub(crate) attenuation_per_m: Bands,
     /// Attenuation of a lamp's light, and of what the water scatters back: K in mode `full`, else the same.
     pub(crate) lamp_attenuation_per_m: Bands,
+    /// How the light that the difference of both attenuations leaves is spread about the lamp, in mode `full`.
+    pub(crate) soft_lobes: Vec<ForwardLobe>,
     /// Scattering that counts as such there: b, or b(1 − ⟨cos θ⟩) in mode `full`.
     pub(crate) scattering_per_m: Bands,
     /// Beyond this the water sends no more light, m.
@@ -91,8 +94,8 @@ impl<'a> World<'a> {
     pub(crate) fn new(scene: &'a Scene) -> Self {
         let rods = Rods::new(&scene.rods);
         let pieces = || {
-            let silhouettes = rods.solids.iter().map(|rod| rod.silhouette.iter());
-            silhouettes.flatten().copied()
+            let rods = rods.solids.iter().enumerate();
+            rods.flat_map(|(rod, solid)| solid.silhouette.iter().map(move |piece| (rod, *piece)))
         };
         let lamps = scene
             .lamps
@@ -125,6 +128,10 @@ impl<'a> World<'a> {
             lamps,
             attenuation_per_m,
             lamp_attenuation_per_m,
+            soft_lobes: match scene.mode {
+                Mode::Full => soft_lobes(medium),
+                _ => Vec::new(),
+            },
             scattering_per_m,
             horizon_m: (12.0 / clearest).min(1e4),
             footprint_rad: Eye::BOTH

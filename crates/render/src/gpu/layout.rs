@@ -129,6 +129,8 @@ pub(super) struct Frame {
     pub(super) grid_half_way_m: f32,
     pub(super) grid_scale: Vec2f,
     pub(super) lobes: [Vec4f; 4],
+    /// Two lobes each: share and half the width.
+    pub(super) soft_lobes: [Vec4f; 7],
     pub(super) regained_per_m: Vec3f,
     pub(super) snow_albedo: Vec3f,
     pub(super) disparity_sign: f32,
@@ -186,6 +188,7 @@ pub(super) struct Caster {
     pub(super) bounding_radius_m: f32,
     pub(super) touching_minus_m: Vec3f,
     pub(super) touches: u32,
+    pub(super) instance: u32,
 }
 
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
@@ -375,6 +378,7 @@ pub(super) mod tests {
                 grid_half_way_m,
                 grid_scale,
                 lobes,
+                soft_lobes,
                 regained_per_m,
                 snow_albedo,
                 disparity_sign
@@ -437,7 +441,8 @@ pub(super) mod tests {
                 touching_plus_m,
                 bounding_radius_m,
                 touching_minus_m,
-                touches
+                touches,
+                instance
             }
         );
         same!(

@@ -65,6 +65,7 @@ impl Upload {
                     bounding_radius_m: caster.bounding_radius_m as f32,
                     touching_minus_m: minus.into(),
                     touches: caster.touching_m.is_some().into(),
+                    instance: caster.rod as u32 + 2,
                 }
             })
             .collect();
@@ -215,6 +216,7 @@ fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
             Eye::Left => 1.0,
             Eye::Right => -1.0,
         },
+        soft_lobes: soft_lobes(world),
         regained_per_m: match scene.mode {
             Mode::Full => Wells::of(&scene.medium).map(|band| band.regained_per_m(0.0)),
             _ => [0.0; 3],
@@ -222,6 +224,19 @@ fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
         .into(),
         ..layout::Frame::default()
     }
+}
+
+/// Two lobes a vector; a phase function has at most 14.
+fn soft_lobes(world: &World<'_>) -> [Vec4f; 7] {
+    let pair = |k: usize| {
+        let lobe = |i: usize| {
+            let lobe = world.soft_lobes.get(i);
+            lobe.map_or([0.0; 2], |lobe| [lobe.share, lobe.width_rad])
+        };
+        let [a, b] = [lobe(2 * k), lobe(2 * k + 1)];
+        [a[0], a[1], b[0], b[1]].into()
+    };
+    core::array::from_fn(pair)
 }
 
 fn camera(mounted: &MountedCamera, from_m: &Vec3) -> layout::Camera {

@@ -7,6 +7,7 @@ use rodsight_scene::{Lamp, Seabed};
 use super::{grid, random, steps, vec3};
 use crate::cpu::airlight_grid::Hermite;
 use crate::cpu::light::{LampLight, cone};
+use crate::cpu::penumbra::Rectangle;
 use crate::cpu::seabed;
 use crate::cpu::shadow::{Caster, Section, Shadows};
 use crate::cpu::solid::Capped;
@@ -264,7 +265,7 @@ fn tables() -> Vec<Row> {
 /// The caster and the section of a row, as the twin has them.
 fn shadow_of(x: &[f64]) -> (Caster, Section) {
     let piece = Capped::new(vec3(x, 0), vec3(x, 4), x[3], x[7]);
-    let mut shadows = Shadows::new(Vec3::zeros(), core::iter::once(piece));
+    let mut shadows = Shadows::new(Vec3::zeros(), core::iter::once((0, piece)));
     let section = Section {
         normal: vec3(x, 16).cross(&vec3(x, 19)),
         across: vec3(x, 16),
@@ -347,7 +348,7 @@ fn shadows() -> Vec<Row> {
         Row {
             name: "shadow_span",
             body: "let section = ShadowSection(cross(v(16u), v(19u)), x(22u), v(16u), v(19u));
-                let caster = Caster(Solid(v(0u), x(3u), v(4u), x(7u)), v(8u), x(14u), v(11u), u32(x(15u)));
+                let caster = Caster(Solid(v(0u), x(3u), v(4u), x(7u)), v(8u), x(14u), v(11u), u32(x(15u)), 2u);
                 let s = shadow_span(caster, section); y(0u, s.x); y(1u, s.y);",
             inputs: shadows_of_pieces(),
             twin: Box::new(|x| {
@@ -364,11 +365,100 @@ fn shadows() -> Vec<Row> {
     ]
 }
 
+/// A piece and a point as `rectangle` takes them, the lamp at the origin.
+fn rectangle(x: &[f64]) -> Option<Rectangle> {
+    let piece = Capped::new(vec3(x, 0), vec3(x, 4), x[3], x[7]);
+    Rectangle::of(&piece, &vec3(x, 8), &Vec3::zeros())
+}
+
+/// Pieces of rods between a lamp at the origin and points, where no limb, end or lamp is just beside the view.
+fn rods_before_lamps() -> Vec<Vec<f32>> {
+    let row = |r: Vec<f32>| -> Option<Vec<f32>> {
+        let x: Vec<f64> = r.iter().map(|v| f64::from(*v)).collect();
+        let point = vec3(&x, 0).normalize() * 2.0;
+        let centre = point * (0.5 + 0.3 * x[9]) + vec3(&x, 3) * 0.4;
+        let axis = vec3(&x, 6).normalize();
+        let all = [
+            centre.as_slice(),
+            &[0.4 + 0.2 * x[10]],
+            axis.as_slice(),
+            &[0.08 + 0.06 * x[11]],
+            point.as_slice(),
+        ]
+        .concat();
+        let row: Vec<f32> = all.into_iter().map(|v| v as f32).collect();
+        let exact: Vec<f64> = row.iter().map(|v| f64::from(*v)).collect();
+        let found = rectangle(&exact)?;
+        let tame = |v: [f64; 2]| v.iter().all(|v| v.abs() < 3.0);
+        (tame(found.across) && tame(found.along)).then_some(row)
+    };
+    let rows: Vec<Vec<f32>> = random(12, 3000, 12).into_iter().filter_map(row).collect();
+    assert!(rows.len() > 1500, "{}", rows.len());
+    rows
+}
+
+fn penumbras() -> Vec<Row> {
+    let tangents: &[f32] = &[-2.0, -0.3, -0.01, 0.0, 0.02, 0.7, 1e4];
+    let boxes = grid(&[tangents, tangents, tangents, tangents, &[0.006, 0.06]]);
+    vec![
+        Row {
+            name: "penumbra_end_on",
+            body: "let s = penumbra_end_on(x(0u), v(1u), v(4u), x(7u)); y(0u, s.across.x); y(1u, s.across.y); y(2u, s.along.x); y(3u, s.along.y);",
+            inputs: vec![
+                vec![0.1, 0.6, 0.0, 0.8, 0.3, 0.2, 1.0, 0.98],
+                vec![0.02, 0.0, -1.0, 0.0, 0.1, -0.5, -0.2, 0.5],
+                vec![0.3, 0.48, 0.6, 0.64, 1.0, 1.0, 1.0, 1.72],
+            ],
+            twin: Box::new(|x| {
+                let cap = (vec3(x, 4), x[7]);
+                let behind = (vec3(x, 4), x[7] + 1.0);
+                let seen = Rectangle::end_on(x[0], &vec3(x, 1), [behind, cap]);
+                [seen.across, seen.along].concat()
+            }),
+            relative: 0.0,
+            absolute: 1e-6,
+            bounded_by: "rounding",
+        },
+        Row {
+            name: "penumbra_rectangle",
+            body: "let s = penumbra_rectangle(Solid(v(0u), x(3u), v(4u), x(7u)), v(8u));
+                y(0u, s.across.x); y(1u, s.across.y); y(2u, s.along.x); y(3u, s.along.y);",
+            inputs: rods_before_lamps(),
+            twin: Box::new(|x| {
+                let seen = rectangle(x).unwrap();
+                [seen.across, seen.along].concat()
+            }),
+            relative: 1e-4,
+            absolute: 2e-5,
+            bounded_by: "axes that pass near the point, and ends near it",
+        },
+        Row {
+            name: "penumbra_share",
+            body: "y(0u, penumbra_share(PenumbraRectangle(vec2<f32>(x(0u), x(1u)), vec2<f32>(x(2u), x(3u))), x(4u)));",
+            inputs: boxes
+                .into_iter()
+                .filter(|x| x[0] < x[1] && x[2] < x[3])
+                .collect(),
+            twin: Box::new(|x| {
+                let rectangle = Rectangle {
+                    across: [x[0], x[1]],
+                    along: [x[2], x[3]],
+                };
+                vec![rectangle.share(x[4])]
+            }),
+            relative: 0.0,
+            absolute: 2e-6,
+            bounded_by: "an arc tangent",
+        },
+    ]
+}
+
 pub(super) fn rows() -> Vec<Row> {
     let mut rows = media();
     rows.extend(floors());
     rows.extend(lamps());
     rows.extend(tables());
     rows.extend(shadows());
+    rows.extend(penumbras());
     rows
 }
