@@ -97,7 +97,6 @@ fn tolerance(water: &str, mode: Mode, block: &str) -> f64 {
         // Pixels at the blocks' rims; the reference's shadow rays (0.1 %); the airlight's table (0.2 %).
         (_, Mode::Single) => 0.005,
         // docs/physics.md: light of higher orders that is not forwards is missing, most where a surface is lit at grazing angles.
-        ("IB", _) if block == "sand_in_shadow" => 0.12,
         ("IB", _) => 0.06,
         ("1C", _) if block.starts_with("sand") => 0.16,
         ("1C", _) => 0.10,
