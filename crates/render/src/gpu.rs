@@ -11,6 +11,7 @@ mod passes;
 #[cfg(test)]
 mod shader_parity;
 mod snow;
+mod tables;
 #[cfg(test)]
 mod tests;
 mod tile;
@@ -31,6 +32,7 @@ use device::Gpu;
 use halo::HaloEye;
 use passes::{Passes, Pipelines};
 use snow::Snow;
+use tables::TableCache;
 use tile::{Tile, TileBuffers};
 use timer::{TIMED, Times};
 use upload::Upload;
@@ -53,6 +55,7 @@ struct SceneBuffers {
 pub struct GpuRenderer {
     device: Gpu,
     passes: Passes,
+    tables: TableCache,
     tile_pixels: u64,
     /// Of the last pair, s.
     times: Mutex<Times>,
@@ -68,6 +71,7 @@ impl GpuRenderer {
         Ok(Self {
             passes: Passes::new(&device)?,
             device,
+            tables: TableCache::default(),
             tile_pixels: TILE_PIXELS,
             times: Mutex::default(),
         })
@@ -108,7 +112,9 @@ impl GpuRenderer {
 
     /// The scene's buffers as one eye sees them in one band.
     fn bind(&self, world: &World<'_>, eye: Eye, band: Band) -> Result<SceneBuffers, RenderError> {
-        let upload = Upload::new(world, eye, band);
+        let mounted = world.scene.rig.eye(eye).in_band(band);
+        let tables = self.tables.of(world, &mounted);
+        let upload = Upload::new(world, eye, band, &tables.airlight);
         let device = &self.device;
         let mut buffers =
             vec![device.filled("frame", &upload.frame, wgpu::BufferUsages::UNIFORM)?];
@@ -117,21 +123,11 @@ impl GpuRenderer {
         }
         let buffers: Vec<&wgpu::Buffer> = buffers.iter().collect();
         let layout = &self.passes.scene;
-        let mounted = world.scene.rig.eye(eye).in_band(band);
-        let snow = Snow::new(&self.device, world, &mounted)?;
-        let snow = snow
-            .is_there()
-            .then(|| (snow, self.passes.snow(&self.device, upload.variant)));
-        let halo = (world.scene.mode == Mode::Full).then(|| {
+        let snow = Snow::new(&self.device, world, &mounted)?
+            .map(|snow| (snow, self.passes.snow(&self.device, upload.variant)));
+        let halo = tables.halo.as_ref().map(|halo| {
             let passes = self.passes.halo(&self.device);
-            HaloEye::new(
-                &self.device,
-                passes,
-                layout,
-                upload.variant,
-                world,
-                &mounted,
-            )
+            HaloEye::new(&self.device, passes, layout, upload.variant, halo, &mounted)
         });
         Ok(SceneBuffers {
             group: tile::bind_group(&self.device.device, "scene", layout, &buffers),

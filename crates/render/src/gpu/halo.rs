@@ -19,8 +19,7 @@ use super::timer::{HALO, Timer, Times, WEIGH as WEIGH_STAGE};
 use super::upload::storage as packed;
 use crate::RenderError;
 use crate::cpu::halo::FINE;
-use crate::cpu::overscan::{middle_px_per_rad, overscan_px};
-use crate::cpu::world::World;
+use crate::cpu::overscan::overscan_px;
 use crate::frame::EyeFrame;
 use shape::{RUN_PX, Shape};
 
@@ -108,11 +107,10 @@ impl HaloEye {
         passes: &HaloPasses,
         scene: &wgpu::BindGroupLayout,
         variant: Variant,
-        world: &World<'_>,
+        halo: &Halo,
         mounted: &MountedCamera,
     ) -> Result<Self, RenderError> {
         let d = &device.device;
-        let halo = Halo::new(&world.scene.medium, middle_px_per_rad(mounted));
         let i = mounted.camera.intrinsics();
         let shape = Shape::new(
             [i.width_px, i.height_px],

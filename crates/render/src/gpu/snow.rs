@@ -64,16 +64,21 @@ pub(super) struct Snow {
 }
 
 impl Snow {
+    /// `None` where there is none.
+    ///
     /// # Errors
     /// More particles than the adapter's buffers hold.
     pub(super) fn new(
         device: &Gpu,
         world: &World<'_>,
         mounted: &MountedCamera,
-    ) -> Result<Self, RenderError> {
+    ) -> Result<Option<Self>, RenderError> {
         let i = mounted.camera.intrinsics();
         let size = [i.width_px as usize, i.height_px as usize];
         let places = places(world.scene, mounted);
+        if places.is_empty() {
+            return Ok(None);
+        }
         let (first, pairs) = pixels_of(&places, size);
         let origin_m = mounted.rig_from_camera.origin_m();
         let flakes = places.iter().map(|place| flake(place, &origin_m)).collect();
@@ -86,16 +91,12 @@ impl Snow {
             count.div_ceil(GROUP).into(),
             groups.into(),
         )?;
-        Ok(Self {
+        Ok(Some(Self {
             count,
             flakes: buffer("particles of snow", storage::<layout::Flake>(flakes))?,
             first: buffer("pixels of snow", storage(first))?,
             pairs: buffer("pairs of particle and pixel", storage(pairs))?,
-        })
-    }
-
-    pub(super) fn is_there(&self) -> bool {
-        self.count > 0
+        }))
     }
 
     /// Puts the snow into a tile; before the first one it is lit.

@@ -29,7 +29,7 @@ pub(super) struct Upload {
 
 impl Upload {
     /// The scene as one band of light shows it to an eye.
-    pub(super) fn new(world: &World<'_>, eye: Eye, band: Band) -> Self {
+    pub(super) fn new(world: &World<'_>, eye: Eye, band: Band, grid: &AirlightGrid) -> Self {
         let mounted = &world.scene.rig.eye(eye).in_band(band);
         let origin_m = world.scene.rig.eye(eye).rig_from_camera.origin_m();
         let rods = 0..world.scene.rods.len();
@@ -74,7 +74,6 @@ impl Upload {
             .map(Vec2f::from)
             .collect();
         let (lobes, phase) = phase(world.scene.medium.phase());
-        let grid = AirlightGrid::new(world, mounted);
         let airlight: Vec<Vec4f> = grid
             .knots
             .iter()
