@@ -1,12 +1,14 @@
 // The means over the cells of a width, of the image's light and of the overscan's. A cell is summed by as many invocations as its size
 // is worth, each in order: nothing else changes the sum.
 
-const LANES: u32 = 64u;
+const INVOCATIONS: u32 = 64u;
+/// Of them, how many sum a cell.
+override LANES: u32 = 64u;
 
-var<workgroup> parts: array<vec3<f32>, LANES>;
+var<workgroup> parts: array<vec3<f32>, INVOCATIONS>;
 
-/// Every `lanes`th part of a cell's light, from a lane on.
-fn gather_part(cell: vec2<i32>, lane: u32, lanes: u32) -> vec3<f32> {
+/// Every `LANES`th part of a cell's light, from a lane on.
+fn gather_part(cell: vec2<i32>, lane: u32) -> vec3<f32> {
     let its = halo.levels[level];
     let start = cell * its.side;
     let to = start + its.side;
@@ -15,7 +17,7 @@ fn gather_part(cell: vec2<i32>, lane: u32, lanes: u32) -> vec3<f32> {
     let size = max(min(to, halo.size) - inside, vec2<i32>(0));
     let run_px = i32(its.run_px);
     let across = (size.x + run_px - 1) / run_px;
-    for (var i = i32(lane); i < across * size.y; i += i32(lanes)) {
+    for (var i = i32(lane); i < across * size.y; i += i32(LANES)) {
         let row = inside.y + i / across;
         let run = 3u * (u32(row) * halo.runs + its.first_run + u32(inside.x / run_px + i % across));
         sum += vec3<f32>(runs[run], runs[run + 1u], runs[run + 2u]);
@@ -29,7 +31,7 @@ fn gather_part(cell: vec2<i32>, lane: u32, lanes: u32) -> vec3<f32> {
         }
         let square = (first - strip.at) / strip.side;
         let squares = (last - 1 - strip.at) / strip.side + 1 - square;
-        for (var i = i32(lane); i < squares.x * squares.y; i += i32(lanes)) {
+        for (var i = i32(lane); i < squares.x * squares.y; i += i32(LANES)) {
             let here = square + vec2<i32>(i % squares.x, i / squares.x);
             let at = strip.at + here * strip.side;
             let overlap = min(at + strip.side, last) - max(at, first);
@@ -40,23 +42,25 @@ fn gather_part(cell: vec2<i32>, lane: u32, lanes: u32) -> vec3<f32> {
     return sum;
 }
 
-@compute @workgroup_size(LANES)
+@compute @workgroup_size(INVOCATIONS)
 fn gather(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) index: u32) {
     let its = halo.levels[level];
-    let cell = vec2<i32>(vec2<u32>((group.x * LANES + index) / its.lanes, group.y)) - MARGIN;
-    let lane = index % its.lanes;
+    let cell = vec2<i32>(vec2<u32>((group.x * INVOCATIONS + index) / LANES, group.y)) - MARGIN;
+    let lane = index % LANES;
     let known = halo_known(cell);
     let is_there = cell.x < its.columns + MARGIN;
-    parts[index] = vec3<f32>(0.0);
+    var sum = vec3<f32>(0.0);
     if is_there && known > 0 {
-        parts[index] = gather_part(cell, lane, its.lanes);
+        sum = gather_part(cell, lane);
     }
-    workgroupBarrier();
+    if LANES > 1u {
+        parts[index] = sum;
+        workgroupBarrier();
+    }
     if !is_there || lane != 0u {
         return;
     }
-    var sum = vec3<f32>(0.0);
-    for (var i = 0u; i < its.lanes; i++) {
+    for (var i = 1u; i < LANES; i++) {
         sum += parts[index + i];
     }
     let area = its.side * its.side;

@@ -5,6 +5,8 @@
 const FINE: u32 = 3u;
 /// Cells, or pixels of the fine widths, around the image.
 const MARGIN: i32 = 9;
+/// Cells to either side that a Gaussian takes part in.
+const REACH: i32 = 8;
 /// Widths at most.
 const LEVELS: u32 = 16u;
 /// Rays for a side of a cell beyond the overscan.
@@ -32,13 +34,11 @@ struct HaloLevel {
     /// Pixels of a row that are summed first, and where a row's first sum is.
     run_px: u32,
     first_run: u32,
-    /// Invocations that sum a cell.
-    lanes: u32,
     /// Cells around the image that are kept of the margin.
     border: i32,
-    reach: i32,
-    /// From its middle outwards.
-    kernel: array<vec4<f32>, 3>,
+    /// Of the Gaussian, from its middle outwards.
+    kernel: array<vec4<f32>, 2>,
+    farthest: f32,
 }
 
 struct Halo {
@@ -48,6 +48,8 @@ struct Halo {
     patches: u32,
     longest_m: f32,
     knots: u32,
+    /// Widths in use, the fine ones at least.
+    count: u32,
     /// Sums of a row, of all widths.
     runs: u32,
     strips: array<HaloStrip, 8>,

@@ -12,12 +12,17 @@
 /// Means over the cells of a width, with a margin.
 @group(3) @binding(6) var<storage, read_write> cells: array<f32>;
 
+/// The share of a width between a knot and the next.
+fn halo_share(at: u32, knot: u32, along: f32) -> vec3<f32> {
+    let first = knot * LEVELS + at;
+    return mix(shares[first].xyz, shares[first + LEVELS].xyz, along);
+}
+
 /// The part of some light that a width has.
 fn halo_shared(at: u32, scattered: vec4<f32>) -> vec3<f32> {
     let place = halo_place(scattered.w, halo.longest_m, halo.knots - 1u);
     let knot = min(u32(place), halo.knots - 2u);
-    let first = knot * LEVELS + at;
-    return scattered.xyz * mix(shares[first].xyz, shares[first + LEVELS].xyz, place - f32(knot));
+    return scattered.xyz * halo_share(at, knot, place - f32(knot));
 }
 
 /// Sets a pixel of a fine width; those of the margin are negative or beyond the size.

@@ -34,7 +34,8 @@ pub(super) struct HaloPasses {
     image: wgpu::BindGroupLayout,
     blur: wgpu::BindGroupLayout,
     weigh: wgpu::ComputePipeline,
-    gather: wgpu::ComputePipeline,
+    /// By an invocation each cell, and by a workgroup.
+    gather: [wgpu::ComputePipeline; 2],
     rows: wgpu::ComputePipeline,
     columns: wgpu::ComputePipeline,
     modules: [wgpu::ShaderModule; 2],
@@ -66,15 +67,19 @@ impl HaloPasses {
         let image_group = group(d, "halo of an image", &image);
         let blur = [storage(0, true), storage(1, true), storage(2, false)];
         let blur_group = group(d, "blur", &blur);
-        let compiled =
-            |pass: Pass, groups: [Option<&_>; 4]| pipeline(d, pass, &module(d, pass), &groups, &[]);
+        let compiled = |pass: Pass, groups: [Option<&_>; 4], constants: &[_]| {
+            pipeline(d, pass, &module(d, pass), &groups, constants)
+        };
         let (levels, image) = (Some(&levels_group), Some(&image_group));
         let blur = Some(&blur_group);
         Self {
-            weigh: compiled(WEIGH, [None, Some(tile), levels, image]),
-            gather: compiled(GATHER, [Some(scene), None, levels, image]),
-            rows: compiled(BLUR_ROWS, [None, blur, levels, None]),
-            columns: compiled(BLUR_COLUMNS, [None, blur, levels, None]),
+            weigh: compiled(WEIGH, [None, Some(tile), levels, image], &[]),
+            gather: [1, ROW].map(|lanes| {
+                let groups = [Some(scene), None, levels, image];
+                compiled(GATHER, groups, &[("LANES", f64::from(lanes))])
+            }),
+            rows: compiled(BLUR_ROWS, [None, blur, levels, None], &[]),
+            columns: compiled(BLUR_COLUMNS, [None, blur, levels, None], &[]),
             modules: CASTS.map(|pass| module(d, pass)),
             casts: PerVariant::default(),
             levels: levels_group,
@@ -271,7 +276,7 @@ impl HaloEye {
         pass.dispatch_workgroups(
             tile.width.div_ceil(RUN_PX).div_ceil(SQUARE),
             (tile.kept.end - tile.kept.start).div_ceil(SQUARE),
-            self.shape.levels() as u32,
+            1,
         );
     }
 
@@ -308,8 +313,13 @@ impl HaloEye {
                     pass.set_pipeline(&self.casts[1]);
                     pass.dispatch_workgroups(columns.div_ceil(SQUARE), rows.div_ceil(SQUARE), 1);
                 }
-                pass.set_pipeline(&passes.gather);
-                pass.dispatch_workgroups((columns * level.lanes).div_ceil(ROW), rows, 1);
+                let across = if level.is_wide() {
+                    columns
+                } else {
+                    columns.div_ceil(ROW)
+                };
+                pass.set_pipeline(&passes.gather[usize::from(level.is_wide())]);
+                pass.dispatch_workgroups(across, rows, 1);
             }
             drop(pass);
             pass = begin(encoder, false, at == 1);

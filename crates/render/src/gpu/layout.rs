@@ -227,10 +227,9 @@ pub(super) struct HaloLevel {
     pub(super) coarser_columns: u32,
     pub(super) run_px: u32,
     pub(super) first_run: u32,
-    pub(super) lanes: u32,
     pub(super) border: u32,
-    pub(super) reach: u32,
-    pub(super) kernel: [Vec4f; 3],
+    pub(super) kernel: [Vec4f; 2],
+    pub(super) farthest: f32,
 }
 
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
@@ -240,6 +239,7 @@ pub(super) struct Halo {
     pub(super) patches: u32,
     pub(super) longest_m: f32,
     pub(super) knots: u32,
+    pub(super) count: u32,
     pub(super) runs: u32,
     pub(super) strips: [HaloStrip; 8],
     pub(super) levels: [HaloLevel; rodsight_optics::Halo::LEVELS],
@@ -497,10 +497,9 @@ pub(super) mod tests {
                 coarser_columns,
                 run_px,
                 first_run,
-                lanes,
                 border,
-                reach,
-                kernel
+                kernel,
+                farthest
             }
         );
         same!(
@@ -511,6 +510,7 @@ pub(super) mod tests {
                 patches,
                 longest_m,
                 knots,
+                count,
                 runs,
                 strips,
                 levels

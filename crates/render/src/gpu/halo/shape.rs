@@ -3,13 +3,12 @@
 use rodsight_optics::Halo;
 
 use super::super::layout::{self, HaloLevel, HaloStrip, Vec2i, Vec4f};
-use crate::cpu::halo::{BESIDE, FINE, MARGIN, PATCHES, gaussian, kernel, ring};
+use crate::cpu::halo::{BESIDE, FINE, MARGIN, PATCHES, REACH, gaussian, kernel, ring};
 
 /// Pixels of a row that one invocation weighs; longer stretches are summed from such runs.
 pub(super) const RUN_PX: u32 = 16;
 /// Cells of at least this side are summed by a workgroup each.
 const WIDE_PX: u32 = 32;
-const LANES: u32 = 64;
 
 /// All of an eye's image.
 #[derive(Debug)]
@@ -72,13 +71,12 @@ impl Shape {
                     coarser_columns: 0,
                     run_px,
                     first_run,
-                    lanes: if side < WIDE_PX { 1 } else { LANES },
                     border: u32::from(!is_fine),
-                    reach: weights.len() as u32 - 1,
-                    kernel: core::array::from_fn(|k| {
+                    kernel: [0, 1].map(|k| {
                         let weight = |i| weights.get(4 * k + i).copied().unwrap_or(0.0);
                         Vec4f::from(core::array::from_fn::<f32, 4, _>(weight))
                     }),
+                    farthest: weights.get(REACH).copied().unwrap_or(0.0),
                 }
             })
             .collect();
@@ -103,6 +101,7 @@ impl Shape {
             size: self.size.map(|size| size.cast_signed() as isize).into(),
             overscan: self.overscan,
             patches: self.patches,
+            count: self.levels.len() as u32,
             runs: self.runs,
             strips: self.strips,
             levels,
@@ -171,11 +170,15 @@ impl HaloLevel {
         [self.columns, self.rows].map(|cells| cells + 2 * MARGIN as u32)
     }
 
+    pub(super) fn is_wide(&self) -> bool {
+        self.side >= WIDE_PX
+    }
+
     /// Floats of a row and rows: after the convolution along rows, and after that along columns.
     pub(super) fn blurred(&self) -> [[u32; 2]; 2] {
         let floats = 3 * (self.columns + 2 * self.border);
         let rows = self.rows + 2 * self.border;
-        [[floats, rows + 2 * self.reach], [floats, rows]]
+        [[floats, rows + 2 * REACH as u32], [floats, rows]]
     }
 }
 
@@ -211,9 +214,10 @@ mod tests {
         for (pass, name, ours) in [
             (&OVERSCAN, "FINE", FINE as u32),
             (&OVERSCAN, "MARGIN", MARGIN as u32),
+            (&OVERSCAN, "REACH", REACH as u32),
             (&OVERSCAN, "LEVELS", Halo::LEVELS as u32),
             (&OVERSCAN, "RAYS", RAYS as u32),
-            (&GATHER, "LANES", LANES),
+            (&GATHER, "INVOCATIONS", super::super::ROW),
             (&WEIGH, "RUN_PX", RUN_PX),
             (&WEIGH, "THINGS", super::super::super::tile::THINGS as u32),
         ] {
