@@ -91,7 +91,7 @@ fn line(
     scene: &Scene,
 ) {
     match backend.render(scene, &|_| ()) {
-        Err(error @ RenderError::Unsupported { .. }) => println!("left out: {error}"),
+        Err(error @ RenderError::AdapterLimit { .. }) => println!("left out: {error}"),
         other => {
             other.expect("the scene renders");
             group.bench_function(id, |b| b.iter(|| backend.render(black_box(scene), &|_| ())));

@@ -8,9 +8,7 @@ use std::path::{Path, PathBuf};
 
 use rodsight_geometry::{Camera, Intrinsics, MountedCamera, Rig};
 use rodsight_optics::water;
-use rodsight_render::{
-    AdapterChoice, CpuRenderer, GpuRenderer, RenderError, Renderer, develop, write_image,
-};
+use rodsight_render::{AdapterChoice, CpuRenderer, GpuRenderer, Renderer, develop, write_image};
 use rodsight_scene::{Mode, Scene};
 
 const WATERS: [&str; 6] = ["IB", "II", "III", "1C", "3C", "5C"];
@@ -77,13 +75,7 @@ fn table(
                 if mode == Mode::Koschmieder && scene.ambient_radiance == [0.0; 3] {
                     scene.ambient_radiance = DAYLIGHT;
                 }
-                let frame = match backend.render(&scene, &|_| ()) {
-                    Err(RenderError::Unsupported { feature, .. }) => {
-                        write!(page, "<td>no {feature}")?;
-                        continue;
-                    }
-                    other => other?,
-                };
+                let frame = backend.render(&scene, &|_| ())?;
                 let image = develop(&frame, &scene)?.left;
                 let file = format!("{}_{name}_{mode:?}_{}.png", scene.id, backend.backend());
                 write_image(&folder.join(&file), &image)?;

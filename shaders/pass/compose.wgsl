@@ -32,9 +32,9 @@ fn compose_shade(flake: Flake, pixel: vec2<i32>) -> f32 {
 /// What the water sends up to a distance, as if no rod threw a shadow.
 fn compose_water(ray: EyeRay, pixel: vec2<f32>, distance_m: f32) -> vec3<f32> {
     if MODE == MODE_KOSCHMIEDER {
-        return water_veil(distance_m);
+        return water_veil(ray, distance_m);
     }
-    return water_veil(distance_m) + water_unshadowed(ray, pixel, distance_m);
+    return water_veil(ray, distance_m) + water_unshadowed(ray, pixel, distance_m);
 }
 
 @compute @workgroup_size(8, 8)

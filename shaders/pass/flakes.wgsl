@@ -30,7 +30,9 @@ fn light_flakes(@builtin(global_invocation_id) id: vec3<u32>) {
         lamps_light += frame.snow_albedo * radiance;
         source -= towards * dot(radiance, vec3<f32>(1.0));
     }
-    let wet = flake.gain * (lamps_light + frame.snow_albedo * frame.ambient_radiance);
+    // The mean normal of a ball's disc is two thirds of the way to the eye.
+    let ambient = scene_ambient_on(flake.centre_m, 2.0 / 3.0 * sight.z).wet;
+    let wet = flake.gain * (lamps_light + frame.snow_albedo * ambient);
     flakes[index].direct = wet * medium_transmittance(frame.attenuation_per_m, flake.range_m);
     if MODE == MODE_FULL {
         flakes[index].scattered = scene_scattered(wet, flake.range_m);

@@ -78,6 +78,9 @@ struct Frame {
     /// Of c, what the halo gives back.
     regained_per_m: vec3<f32>,
     snow_albedo: vec3<f32>,
+    /// E_d at the rig, and K_d; without daylight zero.
+    daylight_w_per_m2: vec3<f32>,
+    daylight_attenuation_per_m: vec3<f32>,
     /// 1 for the left eye, -1 for the right one: disparity is left minus right.
     disparity_sign: f32,
 }
@@ -334,14 +337,27 @@ fn scene_cosines(normal: vec3<f32>, light: vec3<f32>, direction: vec3<f32>) -> G
     );
 }
 
+/// The radiance of a white matt surface in ambient light and daylight, by the upward part of its normal: in the water, and without any
+/// as bright as at the rig. Nothing throws a shadow in either.
+fn scene_ambient_on(point_m: vec3<f32>, normal_up: f32) -> Surface {
+    let share = daylight_face_share(normal_up) / 3.14159265358979;
+    let dry = frame.ambient_radiance + share * frame.daylight_w_per_m2;
+    if MODE == MODE_AIR {
+        return Surface(dry, dry, 0u);
+    }
+    let depth_m = point_m.z + frame.rig_from_eye_m.z;
+    let there = daylight_downwelling(frame.daylight_w_per_m2, frame.daylight_attenuation_per_m, depth_m);
+    return Surface(frame.ambient_radiance + share * there, dry, 0u);
+}
+
 /// Lambert, coated or not: L = Σ ρ/π · I cos θ / r² · e^(-K r) + ρ L_ambient; a flat surface sends its own radiance.
 fn scene_surface(direction: vec3<f32>, hit: Hit) -> Surface {
     let look = scene_look(direction, hit);
     if look.is_flat {
         return Surface(look.albedo, look.albedo, 0u);
     }
-    let ambient = look.albedo * frame.ambient_radiance;
-    var surface = Surface(ambient, ambient, 0u);
+    let ambient = scene_ambient_on(hit.point_m, -hit.normal.z);
+    var surface = Surface(look.albedo * ambient.wet, look.albedo * ambient.dry, 0u);
     if MODE == MODE_KOSCHMIEDER {
         return surface;
     }

@@ -89,11 +89,15 @@ fn water_knots(corner: u32, step: f32, weights: vec4<f32>) -> vec3<f32> {
         + weights.z * airlight[knot + 2u].xyz + weights.w * airlight[knot + 3u].xyz;
 }
 
-/// The veil of the ambient light: B∞ (1 - e^(-K z)) with B∞ = b L / K.
-fn water_veil(distance_m: f32) -> vec3<f32> {
+/// The veil of the ambient light, B∞ (1 - e^(-K z)) with B∞ = b L / K, and of daylight.
+fn water_veil(ray: EyeRay, distance_m: f32) -> vec3<f32> {
     let k = frame.lamp_attenuation_per_m;
-    let share = select(vec3<f32>(0.0), frame.veil_scattering_per_m / max(k, vec3<f32>(1e-30)), k > vec3<f32>(0.0));
-    return share * frame.ambient_radiance * maths_rise(k * min(distance_m, 1e30));
+    let share = frame.veil_scattering_per_m / max(k, vec3<f32>(1e-30));
+    let veil = share * frame.ambient_radiance * maths_rise(k * min(distance_m, 1e30));
+    let depth_m = ray.origin_m.z + frame.rig_from_eye_m.z;
+    let here = daylight_downwelling(frame.daylight_w_per_m2, frame.daylight_attenuation_per_m, depth_m);
+    let sky = daylight_veil(here, k, frame.veil_scattering_per_m, frame.daylight_attenuation_per_m, ray.direction.z, distance_m);
+    return select(vec3<f32>(0.0), veil + sky, k > vec3<f32>(0.0));
 }
 
 /// Light the water scatters into the first `distance_m` of the ray through a pixel (`SOLID_NONE_M` where there is no surface), at the
@@ -102,7 +106,7 @@ fn water_backscatter(ray: EyeRay, pixel: vec2<f32>, distance_m: f32) -> vec3<f32
     if MODE == MODE_AIR {
         return vec3<f32>(0.0);
     }
-    let veil = water_veil(distance_m);
+    let veil = water_veil(ray, distance_m);
     if MODE == MODE_KOSCHMIEDER {
         return ray.gain * veil;
     }

@@ -71,6 +71,8 @@ pub const AIRLIGHT_GRID: Part = part!("lib/airlight_grid.wgsl");
 pub const SHADOW: Part = part!("lib/shadow.wgsl");
 /// Soft shadows; needs [`SOLID`].
 pub const PENUMBRA: Part = part!("lib/penumbra.wgsl");
+/// Daylight; needs [`MATHS`] and [`MEDIUM`].
+pub const DAYLIGHT: Part = part!("lib/daylight.wgsl");
 /// Pixels under discs; needs [`MATHS`].
 pub const DISC: Part = part!("lib/disc.wgsl");
 /// Matt spheres; needs [`MATHS`].
@@ -100,6 +102,7 @@ pub const LIB: &[Part] = &[
     AIRLIGHT_GRID,
     SHADOW,
     PENUMBRA,
+    DAYLIGHT,
     DISC,
     SPHERE,
     HALO,
@@ -134,6 +137,7 @@ macro_rules! casting {
             BVH,
             SEABED,
             MEDIUM,
+            DAYLIGHT,
             LIGHT,
             SHADOW,
             PENUMBRA,

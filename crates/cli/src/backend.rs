@@ -49,19 +49,15 @@ impl Chosen {
         }
     }
 
-    /// Renders; where the graphics card was our choice and cannot do the scene, the reference does.
+    /// Renders; where the graphics card was our choice and the scene is too large for it, the reference does.
     pub(crate) fn render(
         &mut self,
         scene: &Scene,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Frame, RenderError> {
         match expose(self.renderer.as_ref(), scene, progress) {
-            Err(RenderError::Unsupported {
-                backend: "gpu",
-                feature,
-                ..
-            }) if !self.is_forced => {
-                *self = Self::cpu(format!("the gpu backend has no {feature}"), true);
+            Err(error @ RenderError::AdapterLimit { .. }) if !self.is_forced => {
+                *self = Self::cpu(error.to_string(), true);
                 expose(self.renderer.as_ref(), scene, progress)
             }
             outcome => outcome,

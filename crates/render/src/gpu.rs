@@ -268,13 +268,6 @@ impl GpuRenderer {
     }
 }
 
-/// What a scene asks for and these shaders do not do, and what to do about it.
-fn missing(scene: &Scene) -> Option<(&'static str, &'static str)> {
-    let features = [("[daylight]", scene.daylight.is_some())];
-    let missing = features.into_iter().find(|(_, used)| *used);
-    missing.map(|(feature, _)| (feature, "render it with the cpu backend"))
-}
-
 impl Renderer for GpuRenderer {
     fn backend(&self) -> &'static str {
         "gpu"
@@ -285,14 +278,6 @@ impl Renderer for GpuRenderer {
     }
 
     fn render(&self, scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Result<Frame, RenderError> {
-        if let Some((feature, instead)) = missing(scene) {
-            return Err(RenderError::Unsupported {
-                scene: scene.id.clone(),
-                backend: self.backend(),
-                feature,
-                instead,
-            });
-        }
         for eye in Eye::BOTH {
             RenderError::refuse_too_large(scene, eye)?;
         }

@@ -66,15 +66,6 @@ pub trait Renderer {
 #[expect(missing_docs, reason = "the messages say it")]
 pub enum RenderError {
     #[error(
-        "scene \"{scene}\": {feature} is not implemented by the {backend} backend of this version; {instead}"
-    )]
-    Unsupported {
-        scene: String,
-        backend: &'static str,
-        feature: &'static str,
-        instead: &'static str,
-    },
-    #[error(
         "scene \"{scene}\": no light reaches the cameras, so no exposure can be found; set exposure.gain_m2_sr_per_w or add a lamp"
     )]
     Dark { scene: String },

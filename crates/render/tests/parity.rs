@@ -14,25 +14,14 @@ mod common;
 use common::compare::{at_edges, compare};
 use rodsight_geometry::port::{DomePort, FlatPort, Port, PortShape, sea_water_index};
 use rodsight_geometry::{Eye, Vec3};
-use rodsight_render::{CpuRenderer, EyeFrame, Frame, RenderError, Renderer};
+use rodsight_render::{CpuRenderer, EyeFrame, Frame, Renderer};
 use rodsight_scene::{EdgeSampling, Mode, Scene, Snow};
 
 /// Samples of a pixel at an edge: enough to compare, few enough for the reference in a test.
 const SAMPLES: u32 = 55;
 
-/// Shipped scenes that the graphics backend refuses so far, each with a clear message: one that it draws after all must leave the list.
-const NOT_YET: [&str; 1] = ["sunlit_pipe.toml"];
-
 fn check(name: &str, scene: &mut Scene) {
     let Some(gpu) = common::gpu() else { return };
-    if NOT_YET.contains(&name) {
-        let refused = gpu.render(scene, &|_| ());
-        assert!(
-            matches!(refused, Err(RenderError::Unsupported { .. })),
-            "{name}: {refused:?}"
-        );
-        return;
-    }
     scene.sampling.edge = EdgeSampling::Fibonacci { points: SAMPLES };
     let reference = CpuRenderer.render(scene, &|_| ()).unwrap();
     let actual = gpu.render(scene, &|_| ()).unwrap();
@@ -105,6 +94,15 @@ fn ports_look_the_same_on_both_backends() {
     }
 }
 
+const SNOW: Snow = Snow {
+    number_per_m3: 2e3,
+    diameter_m: [5e-4, 3e-2],
+    exponent: 2.0,
+    albedo: [0.3, 0.25, 0.2],
+    range_m: [0.1, 5.0],
+    seed: None,
+};
+
 /// Dust and crumbs before rods, a floor and open water, near ones large enough to be shaded.
 #[test]
 fn snow_looks_the_same_on_both_backends() {
@@ -112,15 +110,24 @@ fn snow_looks_the_same_on_both_backends() {
         let mut scene = common::crossing(8);
         scene.mode = mode;
         scene.ambient_radiance = [0.02, 0.03, 0.04];
-        scene.snow = Some(Snow {
-            number_per_m3: 2e3,
-            diameter_m: [5e-4, 3e-2],
-            exponent: 2.0,
-            albedo: [0.3, 0.25, 0.2],
-            range_m: [0.1, 5.0],
-            seed: None,
-        });
+        scene.snow = Some(SNOW);
         check(&format!("snow in {mode:?}"), &mut scene);
+    }
+}
+
+/// From above, on rods, sand, snow and open water; in the air too.
+#[test]
+fn daylight_looks_the_same_on_both_backends() {
+    for mode in [Mode::Air, Mode::Koschmieder, Mode::Single, Mode::Full] {
+        let mut scene = common::crossing(8);
+        scene.mode = mode;
+        scene.ambient_radiance = [0.02, 0.03, 0.04];
+        scene.daylight = Some(rodsight_optics::Daylight {
+            irradiance_w_per_m2: [0.3, 0.9, 0.8],
+            diffuse_attenuation_per_m: [0.35, 0.08, 0.07],
+        });
+        scene.snow = Some(SNOW);
+        check(&format!("daylight in {mode:?}"), &mut scene);
     }
 }
 

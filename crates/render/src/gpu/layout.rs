@@ -133,6 +133,8 @@ pub(super) struct Frame {
     pub(super) soft_lobes: [Vec4f; 7],
     pub(super) regained_per_m: Vec3f,
     pub(super) snow_albedo: Vec3f,
+    pub(super) daylight_w_per_m2: Vec3f,
+    pub(super) daylight_attenuation_per_m: Vec3f,
     pub(super) disparity_sign: f32,
 }
 
@@ -381,6 +383,8 @@ pub(super) mod tests {
                 soft_lobes,
                 regained_per_m,
                 snow_albedo,
+                daylight_w_per_m2,
+                daylight_attenuation_per_m,
                 disparity_sign
             }
         );

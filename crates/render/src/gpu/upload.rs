@@ -4,7 +4,7 @@ use encase::ShaderType;
 use encase::internal::WriteInto;
 use rodsight_geometry::port::{Band, PortShape};
 use rodsight_geometry::{Distortion, Eye, MountedCamera, Vec3};
-use rodsight_optics::{Phase, Wells};
+use rodsight_optics::{Daylight, Phase, Wells};
 use rodsight_scene::{EdgeSampling, Finish, Mode};
 
 use super::content;
@@ -186,6 +186,10 @@ fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
     let (mounted, other) = (scene.rig.eye(eye), scene.rig.eye(eye.other()));
     let origin_m = mounted.rig_from_camera.origin_m();
     let seabed = scene.seabed.as_ref();
+    let daylight = scene.daylight.unwrap_or(Daylight {
+        irradiance_w_per_m2: [0.0; 3],
+        diffuse_attenuation_per_m: [0.0; 3],
+    });
     layout::Frame {
         eye: camera(mounted, &origin_m),
         other: camera(other, &origin_m),
@@ -210,6 +214,8 @@ fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
         seabed_scale_m: seabed.map_or(1.0, |s| s.texture_scale_m) as f32,
         seabed_seed: crate::cpu::seabed::seed_word(scene.seed),
         shifts: matches!(scene.sampling.edge, EdgeSampling::Fibonacci { .. }).into(),
+        daylight_w_per_m2: daylight.irradiance_w_per_m2.into(),
+        daylight_attenuation_per_m: daylight.diffuse_attenuation_per_m.into(),
         snow_albedo: scene.snow.map_or([0.0; 3], |snow| snow.albedo).into(),
         disparity_sign: match eye {
             Eye::Left => 1.0,

@@ -2,6 +2,7 @@
 
 mod camera;
 mod content;
+mod daylight;
 mod finish;
 mod halo;
 mod light;
@@ -20,6 +21,7 @@ pub(super) fn all() -> Vec<Row> {
     rows.extend(halo::rows());
     rows.extend(port::rows());
     rows.extend(snow::rows());
+    rows.extend(daylight::rows());
     rows.extend(finish::rows());
     rows.extend(content::rows());
     rows
