@@ -281,10 +281,13 @@ impl Halo {
         let place = (range_m / self.longest_m as f32).sqrt().min(1.0) * last;
         let knot = (place as usize).min(Self::KNOTS - 2);
         let along = place - knot as f32;
-        let (here, next) = (&self.shares[knot], &self.shares[knot + 1]);
-        core::array::from_fn(|k| {
-            core::array::from_fn(|j| here[k][j] + along * (next[k][j] - here[k][j]))
-        })
+        let mut shares = self.shares[knot];
+        for (here, next) in shares.iter_mut().zip(&self.shares[knot + 1]) {
+            for (here, next) in here.iter_mut().zip(next) {
+                *here += along * (next - *here);
+            }
+        }
+        shares
     }
 }
 

@@ -174,18 +174,26 @@ impl<F: Fn(&Pixel) -> Scattered + Sync> Sources<'_, F> {
                 for (row, (pixels, mixed)) in pixels.chunks(self.width).zip(mixed).enumerate() {
                     let at = row * stride;
                     let mut fine = [&mut *unspread, one, two].map(|p| &mut p[at..at + stride]);
-                    let single = pixels.iter().enumerate().map(|(column, pixel)| {
-                        let light = Scattered {
-                            light: pixel.forward,
-                            range_m: pixel.range_m,
-                        };
-                        (column as u32, light)
-                    });
-                    for (column, scattered) in single.chain(mixed.iter().copied()) {
-                        if scattered.light != [0.0; 3] {
-                            let shares = weighted(halo, &scattered);
-                            deposit(&shares, column as usize, row, &mut fine, &mut piece);
+                    let mut run = Run::default();
+                    for (column, pixel) in pixels.iter().enumerate() {
+                        if pixel.forward != [0.0; 3] {
+                            let light = Scattered {
+                                light: pixel.forward,
+                                range_m: pixel.range_m,
+                            };
+                            let shares = weighted(halo, &light);
+                            deposit_fine(&shares, column, &mut fine);
+                            run.add(&shares);
                         }
+                        run.pass(column, row, &mut piece);
+                    }
+                    run.end(self.width, row, &mut piece);
+                    let lit = |scattered: &Scattered| scattered.light != [0.0; 3];
+                    for (column, scattered) in mixed.iter().filter(|(_, light)| lit(light)) {
+                        let (column, shares) = (*column as usize, weighted(halo, scattered));
+                        deposit_fine(&shares, column, &mut fine);
+                        run.add(&shares);
+                        run.end(column + 1, row, &mut piece);
                     }
                 }
                 piece
@@ -298,30 +306,61 @@ fn tiles(at: [isize; 2], size: [isize; 2], side: isize) -> impl Iterator<Item = 
 
 /// A light's parts in every width.
 fn weighted(halo: &Halo, scattered: &Scattered) -> [[f32; Halo::LEVELS]; 3] {
-    let shares = halo.shares(scattered.range_m);
-    core::array::from_fn(|k| shares[k].map(|share| share * scattered.light[k]))
+    let mut shares = halo.shares(scattered.range_m);
+    for (shares, light) in shares.iter_mut().zip(scattered.light) {
+        for share in shares {
+            *share *= light;
+        }
+    }
+    shares
 }
 
-/// Adds a pixel's parts to the fine planes' row and to the cells it lies in.
+/// Adds a pixel's parts to the fine planes' row.
 #[inline]
-fn deposit(
-    shares: &[[f32; Halo::LEVELS]; 3],
-    column: usize,
-    row: usize,
-    fine: &mut [&mut [f32]; FINE],
-    levels: &mut [Cells],
-) {
+fn deposit_fine(shares: &[[f32; Halo::LEVELS]; 3], column: usize, fine: &mut [&mut [f32]; FINE]) {
     for (level, plane) in fine.iter_mut().enumerate() {
         for (k, shares) in shares.iter().enumerate() {
             plane[3 * (column + MARGIN) + k] += shares[level];
         }
     }
-    for (level, cells) in levels.iter_mut().enumerate() {
-        let cell = (row >> (level + 1)) * cells.columns + (column >> (level + 1));
-        add(
-            &mut cells.sums[cell],
-            shares.map(|shares| shares[level + FINE]),
-        );
+}
+
+/// Parts of the pixels of a row since its last cell of each level began: a cell is written once a row, not once a pixel.
+#[derive(Default)]
+struct Run {
+    sums: [[f32; Halo::LEVELS]; 3],
+}
+
+impl Run {
+    #[inline]
+    fn add(&mut self, shares: &[[f32; Halo::LEVELS]; 3]) {
+        for (sums, shares) in self.sums.iter_mut().zip(shares) {
+            for (sum, share) in sums.iter_mut().zip(shares) {
+                *sum += share;
+            }
+        }
+    }
+
+    /// Writes what ends with a column: as cells double from level to level, those of the first few.
+    #[inline]
+    fn pass(&mut self, column: usize, row: usize, levels: &mut [Cells]) {
+        let ended = (column + 1).trailing_zeros() as usize;
+        let ended = ended.min(levels.len());
+        self.write(column, row, &mut levels[..ended]);
+    }
+
+    /// Writes all that is left, before a column.
+    fn end(&mut self, column: usize, row: usize, levels: &mut [Cells]) {
+        self.write(column - 1, row, levels);
+    }
+
+    fn write(&mut self, column: usize, row: usize, levels: &mut [Cells]) {
+        for (level, cells) in levels.iter_mut().enumerate() {
+            let cell = (row >> (level + 1)) * cells.columns + (column >> (level + 1));
+            let sums = self.sums.each_mut();
+            let light = sums.map(|sums| core::mem::take(&mut sums[level + FINE]));
+            add(&mut cells.sums[cell], light);
+        }
     }
 }
 
