@@ -1,22 +1,44 @@
 // Pixels at edges: the mean over all samples of the lattice. Light from surfaces is taken at every sample; light from the
 // water, smooth but for the length of the ray, once for each thing seen in the pixel, at its mean distance.
-// One invocation a pixel sums its samples in order: which pixels share a workgroup changes nothing.
+// One workgroup a pixel: each lane casts some of the samples, the first sums them in order, so that who casts which changes nothing.
+// (One invocation a pixel would walk so far in a rich scene that Mesa's software driver cuts its loops short, without a word.)
 
 struct Indirect {
     x: u32,
     y: u32,
     z: u32,
     count: u32,
+    inner_count: u32,
 }
 
-@group(2) @binding(0) var<storage, read> indirect: Indirect;
+struct Cast {
+    direct: vec3<f32>,
+    instance: u32,
+    clean: vec3<f32>,
+    range_m: f32,
+    transmission: vec3<f32>,
+    wet: vec3<f32>,
+}
 
-@compute @workgroup_size(64)
-fn refine(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= indirect.count {
+const LANES: u32 = 64u;
+/// Ranges are counted up to here, so that the sum of all samples is finite, m.
+const FAR_M: f32 = 1e30;
+
+@group(2) @binding(0) var<storage, read> indirect: Indirect;
+var<workgroup> casts: array<Cast, LANES>;
+
+@compute @workgroup_size(LANES)
+fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    // The second layer of workgroups has the pixels without an outline, from the back of the list; their offsets come after the others.
+    let is_inner = group.z == 1u;
+    let entry = group.y * REFINE_ACROSS + group.x;
+    if entry >= select(indirect.count, indirect.inner_count, is_inner) {
         return;
     }
-    let pixel = edges[id.x];
+    let first = select(0u, frame.samples, is_inner);
+    let samples = select(frame.samples, frame.inner_samples, is_inner);
+    let slot = select(entry, tile.width * tile.rows - 1u - entry, is_inner);
+    let pixel = edges[slot];
     let column = pixel % tile.width;
     let row = tile.first_row + pixel / tile.width;
     let corner = vec2<f32>(vec2<u32>(column, row));
@@ -32,30 +54,42 @@ fn refine(@builtin(global_invocation_id) id: vec3<u32>) {
     var ranges: array<f32, THINGS>;
     var wets: array<vec3<f32>, THINGS>;
     var seen = 0u;
-    for (var i = 0u; i < frame.samples; i++) {
-        let inside = lattice_place(offsets[i], shift);
-        let ray = eye_ray(corner, inside);
-        let hit = scene_hit(ray.origin_m, ray.direction);
-        let sample = scene_light(ray, hit);
-        direct += sample.direct;
-        clean += sample.clean;
-        transmission += sample.transmission;
-        var place = 0u;
-        while place < seen && things[place] != hit.instance && place + 1u < THINGS {
-            place++;
+    for (var done = 0u; done < samples; done += LANES) {
+        if done + lane < samples {
+            let ray = eye_ray(corner, lattice_place(offsets[first + done + lane], shift));
+            let hit = scene_hit(ray.origin_m, ray.direction);
+            let sample = scene_light(ray, hit);
+            let range_m = min(hit.t_m, FAR_M);
+            casts[lane] =
+                Cast(sample.direct, hit.instance, sample.clean, range_m, sample.transmission, sample.wet);
         }
-        if place == seen {
-            things[place] = hit.instance;
-            counts[place] = 0.0;
-            ranges[place] = 0.0;
-            wets[place] = vec3<f32>(0.0);
-            seen++;
+        workgroupBarrier();
+        for (var i = 0u; lane == 0u && i < min(LANES, samples - done); i++) {
+            let one = casts[i];
+            direct += one.direct;
+            clean += one.clean;
+            transmission += one.transmission;
+            var place = 0u;
+            while place < seen && things[place] != one.instance && place + 1u < THINGS {
+                place++;
+            }
+            if place == seen {
+                things[place] = one.instance;
+                counts[place] = 0.0;
+                ranges[place] = 0.0;
+                wets[place] = vec3<f32>(0.0);
+                seen++;
+            }
+            counts[place] += 1.0;
+            ranges[place] += one.range_m;
+            wets[place] += one.wet;
         }
-        counts[place] += 1.0;
-        ranges[place] += min(hit.t_m, frame.horizon_m);
-        wets[place] += sample.wet;
+        workgroupBarrier();
     }
-    let share = 1.0 / f32(frame.samples);
+    if lane != 0u {
+        return;
+    }
+    let share = 1.0 / f32(samples);
     let middle = eye_ray(corner, vec2<f32>(0.5));
     var scattered = vec3<f32>(0.0);
     for (var place = 0u; place < seen; place++) {
@@ -63,11 +97,11 @@ fn refine(@builtin(global_invocation_id) id: vec3<u32>) {
         let range = select(mean, SOLID_NONE_M, things[place] == NOTHING);
         scattered += water_backscatter(middle, corner + 0.5, range) * (counts[place] * share);
         if MODE == MODE_FULL {
-            sources[id.x * THINGS + place] = vec4<f32>(scene_scattered(wets[place] * share, mean), mean);
+            sources[slot * THINGS + place] = vec4<f32>(scene_scattered(wets[place] * share, mean), mean);
         }
     }
     if MODE == MODE_FULL && seen < THINGS {
-        sources[id.x * THINGS + seen] = vec4<f32>(0.0, 0.0, 0.0, -1.0);
+        sources[slot * THINGS + seen] = vec4<f32>(0.0, 0.0, 0.0, -1.0);
     }
     tile_store(0u, pixel, direct * share);
     tile_store(3u, pixel, scattered);

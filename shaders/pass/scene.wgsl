@@ -58,7 +58,9 @@ struct Frame {
     lamps: u32,
     /// Casters of each lamp.
     casters: u32,
+    /// Of a pixel at an outline; and where only the light changes, which come after these in `offsets`.
     samples: u32,
+    inner_samples: u32,
     /// Whether every pixel shifts its samples: the lattice does, the grid does not.
     shifts: u32,
     /// Nodes of the table of the phase function.

@@ -28,8 +28,10 @@ const TAG_OCCLUDED: u32 = 0x20000u;
 @group(1) @binding(2) var<storage, read_write> light: array<f32>;
 /// transmission (3), normal (3), depth, range, disparity, tag (bits of u32).
 @group(1) @binding(3) var<storage, read_write> surface: array<f32>;
-/// Pixels at edges, in no order.
+/// Pixels at edges, in no order: at outlines from the front, where only the light changes from the back.
 @group(1) @binding(4) var<storage, read_write> edges: array<u32>;
+/// A dispatch has at most 65535 workgroups a dimension; more pixels than this make another row of them.
+const REFINE_ACROSS: u32 = 32768u;
 /// In mode `full`: of every pixel at an edge, what arrives scattered of each thing in it, and its range, m; less than 0 ends them.
 @group(1) @binding(5) var<storage, read_write> sources: array<vec4<f32>>;
 

@@ -79,11 +79,17 @@ impl Bvh {
         visit: impl FnMut(usize) -> f64,
     ) {
         // A stack for the deepest tree would cost most rays more than their walk.
-        if self.depth < 32 {
-            self.walk(&mut [(0, 0.0); 32], ray, margin_rad, limit_m, visit);
-        } else {
-            let mut stack = vec![(0, 0.0); self.depth + 1];
-            self.walk(&mut stack, ray, margin_rad, limit_m, visit);
+        match self.depth {
+            0 if self.nodes.is_empty() => (),
+            0 => self.walk(&mut [(0, 0.0)], ray, margin_rad, limit_m, visit),
+            1..32 => self.walk(&mut [(0, 0.0); 32], ray, margin_rad, limit_m, visit),
+            depth => self.walk(
+                &mut vec![(0, 0.0); depth + 1],
+                ray,
+                margin_rad,
+                limit_m,
+                visit,
+            ),
         }
     }
 

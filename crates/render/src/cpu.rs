@@ -30,7 +30,7 @@ use rodsight_optics::{Bands, Halo, transmittance};
 use rodsight_scene::{Mode, Scene};
 
 use crate::frame::{EyeFrame, Frame, PixelTruth};
-use crate::lattice::{edge_offsets, pixel_shift};
+use crate::lattice::{edge_offsets, inner_offsets, pixel_shift};
 use crate::{RenderError, Renderer};
 use airlight_grid::AirlightGrid;
 use halo::{Mixed, Scattered, Sources};
@@ -164,7 +164,7 @@ impl<'a> Caster<'a> {
 
         let depths: Vec<f32> = pixels.iter().map(|pixel| pixel.range_m).collect();
         let pattern = self.world.scene.sampling.edge;
-        let offsets = edge_offsets(pattern);
+        let (offsets, inner_offsets) = (edge_offsets(pattern), inner_offsets(pattern));
         let mut mixed: Vec<Mixed> = pixels
             .par_chunks_mut(width)
             .enumerate()
@@ -174,16 +174,20 @@ impl<'a> Caster<'a> {
                 for (column, pixel) in pixels.iter_mut().enumerate() {
                     let columns = column.saturating_sub(1)..(column + 2).min(width);
                     let here = row * width + column;
-                    let mut around = rows
+                    let around = rows
                         .clone()
                         .flat_map(|r| columns.clone().map(move |c| r * width + c));
-                    if keys[here].grazes || around.any(|there| is_edge(&keys, &depths, here, there))
-                    {
-                        let shift = pixel_shift(pattern, column as u32, row as u32);
-                        let corner = Pixel::new(column as f64, row as f64);
-                        let scattered = self.average(pixel, &corner, &offsets, shift);
-                        mixed.extend(scattered.map(|light| (column as u32, light)));
-                    }
+                    let edge = around.map(|there| edge_between(&keys, &depths, here, there));
+                    let offsets = match edge.max() {
+                        _ if keys[here].grazes => &offsets,
+                        Some(Edge::Outline) => &offsets,
+                        Some(Edge::Inner) => &inner_offsets,
+                        Some(Edge::None) | None => continue,
+                    };
+                    let shift = pixel_shift(pattern, column as u32, row as u32);
+                    let corner = Pixel::new(column as f64, row as f64);
+                    let scattered = self.average(pixel, &corner, offsets, shift);
+                    mixed.extend(scattered.map(|light| (column as u32, light)));
                 }
                 tick();
                 mixed
@@ -411,17 +415,25 @@ fn store(truth: &mut PixelTruth, sample: &Sample, backscatter: &Bands) {
     truth.transmission = single(&sample.transmission);
 }
 
-fn is_edge(keys: &[EdgeKey], ranges: &[f32], here: usize, there: usize) -> bool {
-    let (a, b) = (
-        EdgeKey {
-            grazes: false,
-            ..keys[here]
-        },
-        EdgeKey {
-            grazes: false,
-            ..keys[there]
-        },
-    );
+/// What lies between two neighbouring pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Edge {
+    None,
+    /// The light changes, or one smooth piece of a thing meets the next.
+    Inner,
+    /// Of a thing before another or itself, or of a rod's end.
+    Outline,
+}
+
+fn edge_between(keys: &[EdgeKey], ranges: &[f32], here: usize, there: usize) -> Edge {
+    let (a, b) = (&keys[here], &keys[there]);
     let step = f64::from((ranges[here] - ranges[there]).abs());
-    a != b || (a.instance >= 2 && step > DEPTH_STEP * f64::from(ranges[here]))
+    let steps = a.instance >= 2 && step > DEPTH_STEP * f64::from(ranges[here]);
+    if a.instance != b.instance || a.cap != b.cap || steps {
+        Edge::Outline
+    } else if a.part != b.part || a.lit_by != b.lit_by {
+        Edge::Inner
+    } else {
+        Edge::None
+    }
 }

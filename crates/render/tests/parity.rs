@@ -11,21 +11,18 @@
 
 mod common;
 
-use common::compare::{at_edges, compare};
+use common::compare::{SAMPLES, SAMPLING, Samples, at_edges, compare};
 use rodsight_geometry::port::{DomePort, FlatPort, Port, PortShape, sea_water_index};
-use rodsight_geometry::{Eye, Vec3};
+use rodsight_geometry::{Camera, Distortion, Eye, Intrinsics, Vec3};
 use rodsight_render::{CpuRenderer, EyeFrame, Frame, Renderer};
-use rodsight_scene::{EdgeSampling, Mode, Scene, Snow};
-
-/// Samples of a pixel at an edge: enough to compare, few enough for the reference in a test.
-const SAMPLES: u32 = 55;
+use rodsight_scene::{Mode, Scene, Snow};
 
 fn check(name: &str, scene: &mut Scene) {
     let Some(gpu) = common::gpu() else { return };
-    scene.sampling.edge = EdgeSampling::Fibonacci { points: SAMPLES };
+    scene.sampling.edge = SAMPLING;
     let reference = CpuRenderer.render(scene, &|_| ()).unwrap();
     let actual = gpu.render(scene, &|_| ()).unwrap();
-    match compare(&actual, &reference, SAMPLES as f32) {
+    match compare(&actual, &reference, SAMPLES) {
         Ok(report) => println!("{name} on {}:\n  {report}", gpu.adapter()),
         Err(message) => panic!("{name} on {}: {message}", gpu.adapter()),
     }
@@ -115,6 +112,26 @@ fn snow_looks_the_same_on_both_backends() {
     }
 }
 
+/// Fewer pixels than a margin of the halo has, and odd ones.
+#[test]
+fn tiny_images_look_the_same_on_both_backends() {
+    let mut scene = common::crossing(8);
+    scene.mode = Mode::Full;
+    scene.snow = Some(SNOW);
+    let intrinsics = Intrinsics {
+        width_px: 37,
+        height_px: 23,
+        fx_px: 20.0,
+        fy_px: 20.0,
+        cx_px: 18.5,
+        cy_px: 11.5,
+    };
+    for mounted in [&mut scene.rig.left, &mut scene.rig.right] {
+        mounted.camera = Camera::new(intrinsics, Distortion::None).unwrap();
+    }
+    check("37×23 px", &mut scene);
+}
+
 /// From above, on rods, sand, snow and open water; in the air too.
 #[test]
 fn daylight_looks_the_same_on_both_backends() {
@@ -181,7 +198,10 @@ fn bytes_depend_on_neither_the_run_nor_the_tiles() {
 fn comparison_finds_shifts_gains_swaps_nan_and_missing_references() {
     let scene = common::crossing(8);
     let reference = CpuRenderer.render(&scene, &|_| ()).unwrap();
-    let samples = 21.0;
+    let samples = Samples {
+        outline: 21.0,
+        inner: 5.0,
+    };
     compare(&reference, &reference, samples).unwrap();
     let fails = |name: &str, change: &dyn Fn(&mut Frame), says: &str| {
         let mut wrong = reference.clone();
@@ -210,7 +230,7 @@ fn comparison_finds_shifts_gains_swaps_nan_and_missing_references() {
         &|f| f.left.pixels[77].direct[1] = f32::NAN,
         "not finite",
     );
-    let at_edge = at_edges(&reference.left)
+    let at_edge = at_edges(&reference.left, 2)
         .iter()
         .position(|edge| *edge)
         .unwrap();

@@ -81,6 +81,9 @@ impl AirlightGrid {
 
     /// The airlight of a ray without shadows, of length `distance_m` (which may be infinite).
     pub(super) fn at(&self, world: &World<'_>, ray: &Ray, pixel: &Pixel, distance_m: f64) -> Bands {
+        if !world.has_airlight() {
+            return [0.0; 3];
+        }
         if self.knots.is_empty() {
             let points = world.scene.sampling.airlight_points;
             return world.unshadowed(ray, 0.0, distance_m, points);

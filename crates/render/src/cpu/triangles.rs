@@ -148,6 +148,9 @@ impl Triangles {
 
     /// The first triangle on the ray; of two at the very same distance the one that comes first, whatever the tree.
     pub(crate) fn hit(&self, ray: &Ray) -> Option<TriangleHit> {
+        if self.corners.is_empty() {
+            return None;
+        }
         let sheared = Sheared::new(ray);
         let mut first: Option<TriangleHit> = None;
         self.tree.visit(ray, 0.0, f64::INFINITY, |index| {
@@ -167,6 +170,9 @@ impl Triangles {
 
     /// Whether the first `length_m` of the ray meet a triangle.
     pub(crate) fn block(&self, ray: &Ray, length_m: f64) -> bool {
+        if self.corners.is_empty() {
+            return false;
+        }
         let sheared = Sheared::new(ray);
         let mut blocked = false;
         self.tree.visit(ray, 0.0, length_m, |index| {

@@ -121,6 +121,7 @@ pub(super) struct Frame {
     pub(super) lamps: u32,
     pub(super) casters: u32,
     pub(super) samples: u32,
+    pub(super) inner_samples: u32,
     pub(super) shifts: u32,
     pub(super) phase_nodes: u32,
     pub(super) grid_columns: u32,
@@ -210,6 +211,7 @@ pub(super) struct Indirect {
     pub(super) y: u32,
     pub(super) z: u32,
     pub(super) count: u32,
+    pub(super) inner_count: u32,
 }
 
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
@@ -372,6 +374,7 @@ pub(super) mod tests {
                 lamps,
                 casters,
                 samples,
+                inner_samples,
                 shifts,
                 phase_nodes,
                 grid_columns,
@@ -460,7 +463,16 @@ pub(super) mod tests {
                 has_snow
             }
         );
-        same!(&MARK, Indirect { x, y, z, count });
+        same!(
+            &MARK,
+            Indirect {
+                x,
+                y,
+                z,
+                count,
+                inner_count
+            }
+        );
         same!(
             &WEIGH,
             Flake {

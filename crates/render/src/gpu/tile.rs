@@ -197,9 +197,10 @@ impl TileBuffers {
             .write_buffer(&self.uniform, 0, &bytes.into_inner());
         let none = layout::Indirect {
             x: 0,
-            y: 1,
-            z: 1,
+            y: 0,
+            z: 2,
             count: 0,
+            inner_count: 0,
         };
         let mut bytes = encase::StorageBuffer::new(Vec::new());
         bytes.write(&none).expect("a vector grows");

@@ -15,7 +15,7 @@ use crate::cpu::airlight_grid::{AirlightGrid, STEPS};
 use crate::cpu::rod::Rods;
 use crate::cpu::solid::Capped;
 use crate::cpu::world::{World, graze_rad};
-use crate::lattice::edge_offsets;
+use crate::lattice::{edge_offsets, inner_offsets};
 
 /// Nodes of the table of a phase function that is no sum of four lobes: linear between them it is 1e-5 off.
 const PHASE_NODES: u32 = 2048;
@@ -69,10 +69,10 @@ impl Upload {
                 }
             })
             .collect();
-        let offsets: Vec<Vec2f> = edge_offsets(world.scene.sampling.edge)
-            .into_iter()
-            .map(Vec2f::from)
-            .collect();
+        let (outline, inner) = (
+            edge_offsets(world.scene.sampling.edge),
+            inner_offsets(world.scene.sampling.edge),
+        );
         let (lobes, phase) = phase(world.scene.medium.phase());
         let airlight: Vec<Vec4f> = grid
             .knots
@@ -95,7 +95,8 @@ impl Upload {
             mesh_nodes,
             lamps: lamps.len() as u32,
             casters: (casters.len() / lamps.len().max(1)) as u32,
-            samples: offsets.len() as u32,
+            samples: outline.len() as u32,
+            inner_samples: inner.len() as u32,
             lobes: lobes.unwrap_or_default(),
             phase_nodes: phase.len() as u32,
             grid_columns: grid.columns as u32,
@@ -120,7 +121,16 @@ impl Upload {
                 ("rods", storage(rods)),
                 ("lamps", storage(lamps)),
                 ("casters", storage(casters)),
-                ("offsets", storage(offsets)),
+                (
+                    "offsets",
+                    storage(
+                        outline
+                            .into_iter()
+                            .chain(inner)
+                            .map(Vec2f::from)
+                            .collect::<Vec<_>>(),
+                    ),
+                ),
                 ("phase", storage(phase)),
                 ("nodes", storage(nodes)),
                 ("airlight", storage(airlight)),

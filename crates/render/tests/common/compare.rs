@@ -2,6 +2,7 @@
 
 use rodsight_geometry::Eye;
 use rodsight_render::{EyeFrame, Frame, PixelTruth};
+use rodsight_scene::EdgeSampling;
 use rodsight_testkit::{Tolerance, compare_images};
 
 /// Away from edges, all but one pixel in a thousand. Both sum the same terms, and `f32` keeps seven digits of each.
@@ -29,6 +30,20 @@ const IDS_DIFFER: f64 = 1e-4;
 /// Samples of a pixel at an edge that may fall on the other side of it.
 const SAMPLES_DIFFER: f32 = 2.0;
 
+/// Samples of a pixel at an outline, and where only the light changes.
+#[derive(Clone, Copy, Debug)]
+pub struct Samples {
+    pub outline: f32,
+    pub inner: f32,
+}
+
+/// Enough to compare, few enough for the reference in a test.
+pub const SAMPLING: EdgeSampling = EdgeSampling::Fibonacci { points: 55 };
+pub const SAMPLES: Samples = Samples {
+    outline: 55.0,
+    inner: 13.0,
+};
+
 /// Numbers of light of a pixel.
 const LIGHT: usize = 18;
 
@@ -49,17 +64,17 @@ fn light(p: &PixelTruth) -> [f32; LIGHT] {
     all
 }
 
-/// Pixels whose 5 × 5 neighbourhood shows more than one thing, or the same one lit by other lamps or at another depth, and so are
-/// means over samples, by the reference's own ids.
-pub fn at_edges(frame: &EyeFrame) -> Vec<bool> {
+/// Pixels that see more than one thing, or the same one at another depth, within so many pixels, and so are means over samples, by the
+/// reference's own ids.
+pub fn at_edges(frame: &EyeFrame, reach: u32) -> Vec<bool> {
     let (width, height) = (frame.width_px, frame.height_px);
     (0..height)
         .flat_map(|row| (0..width).map(move |column| (row, column)))
         .map(|(row, column)| {
             let here = frame.at(column, row);
-            let rows = row.saturating_sub(2)..(row + 3).min(height);
+            let rows = row.saturating_sub(reach)..(row + reach + 1).min(height);
             rows.flat_map(|r| {
-                let columns = column.saturating_sub(2)..(column + 3).min(width);
+                let columns = column.saturating_sub(reach)..(column + reach + 1).min(width);
                 columns.map(move |c| frame.at(c, r))
             })
             .any(|there| {
@@ -72,7 +87,11 @@ pub fn at_edges(frame: &EyeFrame) -> Vec<bool> {
 }
 
 /// How an image differs from the reference's; what it says when it does not.
-fn compare_eye(actual: &EyeFrame, reference: &EyeFrame, samples: f32) -> Result<String, String> {
+fn compare_eye(
+    actual: &EyeFrame,
+    reference: &EyeFrame,
+    samples: Samples,
+) -> Result<String, String> {
     let shape = [reference.height_px as usize, reference.width_px as usize];
     let pixels = shape[0] * shape[1];
     if pixels == 0 || reference.pixels.len() != pixels {
@@ -91,7 +110,7 @@ fn compare_eye(actual: &EyeFrame, reference: &EyeFrame, samples: f32) -> Result<
     if ids as f64 > (IDS_DIFFER * pixels as f64).max(4.0) {
         return Err(format!("{ids} of {pixels} ids differ"));
     }
-    let edges = at_edges(reference);
+    let (edges, outlines) = (at_edges(reference, 2), at_edges(reference, 1));
     // Light away from edges: what is at an edge is taken from the reference here, and looked at below.
     let planes =
         |of: &dyn Fn(usize) -> Vec<f32>| -> Vec<f32> { (0..pixels).flat_map(of).collect() };
@@ -145,6 +164,11 @@ fn compare_eye(actual: &EyeFrame, reference: &EyeFrame, samples: f32) -> Result<
         let brightest = around.fold([0.0_f32; LIGHT], |most, v| {
             core::array::from_fn(|k| most[k].max(v[k]))
         });
+        let samples = if outlines[i] {
+            samples.outline
+        } else {
+            samples.inner
+        };
         for k in 0..LIGHT {
             let off = (a[k] - r[k]).abs();
             let allowed = SAMPLES_DIFFER / samples * brightest[k] + 2e-3 * r[k] + digit as f32;
@@ -166,7 +190,7 @@ fn compare_eye(actual: &EyeFrame, reference: &EyeFrame, samples: f32) -> Result<
     ))
 }
 
-pub fn compare(actual: &Frame, reference: &Frame, samples: f32) -> Result<String, String> {
+pub fn compare(actual: &Frame, reference: &Frame, samples: Samples) -> Result<String, String> {
     Eye::BOTH
         .iter()
         .map(|&eye| {
