@@ -154,7 +154,7 @@ fn compare_eye(
     let found = found.map_err(|e| format!("depth: {e}"))?;
     // Anywhere: two samples of a pixel may see the other side of an edge.
     let mut worst = 0.0_f32;
-    for i in 0..pixels {
+    for (i, is_outline) in outlines.into_iter().enumerate() {
         let (row, column) = ((i / shape[1]) as u32, (i % shape[1]) as u32);
         let (a, r) = (light(&actual.pixels[i]), light(&reference.pixels[i]));
         let around = (row.saturating_sub(1)..(row + 2).min(reference.height_px)).flat_map(|r| {
@@ -164,7 +164,7 @@ fn compare_eye(
         let brightest = around.fold([0.0_f32; LIGHT], |most, v| {
             core::array::from_fn(|k| most[k].max(v[k]))
         });
-        let samples = if outlines[i] {
+        let samples = if is_outline {
             samples.outline
         } else {
             samples.inner
