@@ -19,7 +19,7 @@ use criterion::{
 };
 use rodsight_geometry::{Camera, Eye, Intrinsics, Mat3, Pose, Vec3};
 use rodsight_render::{AdapterChoice, CpuRenderer, GpuRenderer, RenderError, Renderer, develop};
-use rodsight_scene::{Mesh, MeshMaterial, MeshPart, Mode, Prop, Scene, Sensor};
+use rodsight_scene::{Mesh, MeshMaterial, MeshPart, Mode, Prop, Scene, Sensor, Snow};
 
 const MODES: [(&str, Mode); 4] = [
     ("air", Mode::Air),
@@ -188,6 +188,19 @@ fn with_triangles(mut scene: Scene, count: usize) -> Scene {
     scene
 }
 
+/// So many particles within 4 m of the cameras.
+fn with_snow(mut scene: Scene, count: usize) -> Scene {
+    scene.snow = Some(Snow {
+        number_per_m3: count as f64 / (4.0 / 3.0 * core::f64::consts::PI * 64.0),
+        diameter_m: [5e-4, 6e-3],
+        exponent: 3.0,
+        albedo: [0.15; 3],
+        range_m: [0.15, 4.0],
+        seed: None,
+    });
+    scene
+}
+
 fn contents(criterion: &mut Criterion) {
     let backends = backends();
     let mut scene = founding_scene();
@@ -205,6 +218,7 @@ fn contents(criterion: &mut Criterion) {
             [1000, 10_000, 100_000, 1_000_000],
             with_triangles,
         ),
+        ("snow", [1000, 10_000, 100_000, 1_000_000], with_snow),
     ] {
         let mut group = slow(criterion, &format!("render pair 640x512 by {name}"));
         for count in counts {
