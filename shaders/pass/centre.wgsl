@@ -1,5 +1,13 @@
 // One ray through the centre of every pixel: geometry, truth channels, light from surfaces, and the key that finds edges.
 
+/// Rays as near as half the grazing angle have the limb within half a diagonal of the pixel.
+fn centre_limb(origin: vec3<f32>, direction: vec3<f32>) -> u32 {
+    if !scene_grazes_a_limb(origin, direction, frame.graze_rad) {
+        return 0u;
+    }
+    return select(KEY_BESIDE, KEY_WITHIN, scene_grazes_a_limb(origin, direction, 0.5 * frame.graze_rad));
+}
+
 @compute @workgroup_size(8, 8)
 fn centre(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= tile.width || id.y >= tile.rows {
@@ -11,9 +19,8 @@ fn centre(@builtin(global_invocation_id) id: vec3<u32>) {
     let ray = eye_ray(corner, vec2<f32>(0.5));
     let hit = scene_hit(ray.origin_m, ray.direction);
     let sample = scene_light(ray, hit);
-    let grazes = scene_grazes_a_limb(ray.origin_m, ray.direction);
 
-    keys[pixel] = hit.instance | select(0u, KEY_CAP, hit.cap) | select(0u, KEY_GRAZES, grazes);
+    keys[pixel] = hit.instance | select(0u, KEY_CAP, hit.cap) | centre_limb(ray.origin_m, ray.direction);
     keys[pixels + pixel] = scene_key(hit, sample.lit_by);
     keys[2u * pixels + pixel] = bitcast<u32>(hit.t_m);
     tile_store(0u, pixel, sample.direct);

@@ -8,7 +8,6 @@ struct Indirect {
     y: u32,
     z: u32,
     count: u32,
-    inner_count: u32,
 }
 
 struct Cast {
@@ -26,34 +25,24 @@ const FAR_M: f32 = 1e30;
 
 @group(2) @binding(0) var<storage, read> indirect: Indirect;
 var<workgroup> casts: array<Cast, LANES>;
+/// Whether the pixel takes all samples.
+var<workgroup> takes_all: u32;
 
-@compute @workgroup_size(LANES)
-fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    // The second layer of workgroups has the pixels without an outline, from the back of the list; their offsets come after the others.
-    let is_inner = group.z == 1u;
-    let entry = group.y * REFINE_ACROSS + group.x;
-    if entry >= select(indirect.count, indirect.inner_count, is_inner) {
-        return;
-    }
-    let first = select(0u, frame.samples, is_inner);
-    let samples = select(frame.samples, frame.inner_samples, is_inner);
-    let slot = select(entry, tile.width * tile.rows - 1u - entry, is_inner);
-    let pixel = edges[slot];
-    let column = pixel % tile.width;
-    let row = tile.first_row + pixel / tile.width;
-    let corner = vec2<f32>(vec2<u32>(column, row));
-    var shift = vec2<f32>(0.0);
-    if frame.shifts != 0u {
-        shift = lattice_pixel_shift(column, row);
-    }
-    var direct = vec3<f32>(0.0);
-    var clean = vec3<f32>(0.0);
-    var transmission = vec3<f32>(0.0);
-    var things: array<u32, THINGS>;
-    var counts: array<f32, THINGS>;
-    var ranges: array<f32, THINGS>;
-    var wets: array<vec3<f32>, THINGS>;
-    var seen = 0u;
+/// Sums of the first lane, and what they bring of each thing.
+var<private> direct: vec3<f32>;
+var<private> clean: vec3<f32>;
+var<private> transmission: vec3<f32>;
+var<private> things: array<u32, THINGS>;
+var<private> counts: array<f32, THINGS>;
+var<private> ranges: array<f32, THINGS>;
+var<private> wets: array<vec3<f32>, THINGS>;
+var<private> seen: u32;
+
+fn refine_gather(corner: vec2<f32>, shift: vec2<f32>, first: u32, samples: u32, lane: u32) {
+    direct = vec3<f32>(0.0);
+    clean = vec3<f32>(0.0);
+    transmission = vec3<f32>(0.0);
+    seen = 0u;
     for (var done = 0u; done < samples; done += LANES) {
         if done + lane < samples {
             let ray = eye_ray(corner, lattice_place(offsets[first + done + lane], shift));
@@ -65,26 +54,61 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
         }
         workgroupBarrier();
         for (var i = 0u; lane == 0u && i < min(LANES, samples - done); i++) {
-            let one = casts[i];
-            direct += one.direct;
-            clean += one.clean;
-            transmission += one.transmission;
-            var place = 0u;
-            while place < seen && things[place] != one.instance && place + 1u < THINGS {
-                place++;
-            }
-            if place == seen {
-                things[place] = one.instance;
-                counts[place] = 0.0;
-                ranges[place] = 0.0;
-                wets[place] = vec3<f32>(0.0);
-                seen++;
-            }
-            counts[place] += 1.0;
-            ranges[place] += one.range_m;
-            wets[place] += one.wet;
+            refine_add(casts[i]);
         }
         workgroupBarrier();
+    }
+}
+
+fn refine_add(one: Cast) {
+    direct += one.direct;
+    clean += one.clean;
+    transmission += one.transmission;
+    var place = 0u;
+    while place < seen && things[place] != one.instance && place + 1u < THINGS {
+        place++;
+    }
+    if place == seen {
+        things[place] = one.instance;
+        counts[place] = 0.0;
+        ranges[place] = 0.0;
+        wets[place] = vec3<f32>(0.0);
+        seen++;
+    }
+    counts[place] += 1.0;
+    ranges[place] += one.range_m;
+    wets[place] += one.wet;
+}
+
+@compute @workgroup_size(LANES)
+fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let slot = group.y * REFINE_ACROSS + group.x;
+    if slot >= indirect.count {
+        return;
+    }
+    let pixel = edges[slot];
+    let column = pixel % tile.width;
+    let row = tile.first_row + pixel / tile.width;
+    let corner = vec2<f32>(vec2<u32>(column, row));
+    var shift = vec2<f32>(0.0);
+    if frame.shifts != 0u {
+        shift = lattice_pixel_shift(column, row);
+    }
+    if lane == 0u {
+        takes_all = keys[pixel] & KEY_WITHIN;
+    }
+    var samples = frame.samples;
+    if workgroupUniformLoad(&takes_all) == 0u {
+        samples = frame.inner_samples;
+        refine_gather(corner, shift, frame.samples, samples, lane);
+        // An outline, if there is one, is worth all samples.
+        if lane == 0u {
+            takes_all = select(1u, 0u, seen == 1u);
+        }
+    }
+    if workgroupUniformLoad(&takes_all) != 0u {
+        samples = frame.samples;
+        refine_gather(corner, shift, 0u, samples, lane);
     }
     if lane != 0u {
         return;

@@ -58,7 +58,7 @@ struct Frame {
     lamps: u32,
     /// Casters of each lamp.
     casters: u32,
-    /// Of a pixel at an outline; and where only the light changes, which come after these in `offsets`.
+    /// Of a pixel at an outline; and where there is none, which come after these in `offsets`.
     samples: u32,
     inner_samples: u32,
     /// Whether every pixel shifts its samples: the lattice does, the grid does not.
@@ -265,18 +265,18 @@ fn scene_is_hidden(hit: Hit, from_m: vec3<f32>) -> bool {
         || scene_is_blocked(from_m, direction, distance, hit);
 }
 
-fn scene_grazes_a_limb(origin: vec3<f32>, direction: vec3<f32>) -> bool {
+fn scene_grazes_a_limb(origin: vec3<f32>, direction: vec3<f32>, footprint_rad: f32) -> bool {
     let per_direction = bvh_per_direction(direction);
     var n = 0u;
     while n < frame.nodes {
         let node = nodes[n];
         n++;
-        if !bvh_meets(node, origin, per_direction, frame.graze_rad, SOLID_NONE_M) {
+        if !bvh_meets(node, origin, per_direction, footprint_rad, SOLID_NONE_M) {
             n = select(n, node.first, node.count == 0u);
             continue;
         }
         for (var i = node.first; i < node.first + node.count; i++) {
-            if solid_grazes(segments[i].solid, origin, direction, frame.graze_rad) {
+            if solid_grazes(segments[i].solid, origin, direction, footprint_rad) {
                 return true;
             }
         }

@@ -12,9 +12,12 @@ struct Tile {
     has_snow: u32,
 }
 
-/// What must be alike in neighbouring pixels for one sample to do: instance, cap, grazing limb (`key`), lamps, range.
+/// What must be alike in neighbouring pixels for one sample to do: instance, cap (`key`), lamps, range.
 const KEY_CAP: u32 = 0x10000u;
-const KEY_GRAZES: u32 = 0x20000u;
+/// A limb is beside the pixel, or perhaps within it too.
+const KEY_BESIDE: u32 = 0x20000u;
+const KEY_WITHIN: u32 = 0x40000u;
+const KEY_LIMB: u32 = KEY_BESIDE | KEY_WITHIN;
 
 /// Bits of the last channel of `surface`, above the instance.
 const TAG_IN_VIEW: u32 = 0x10000u;
@@ -28,7 +31,7 @@ const TAG_OCCLUDED: u32 = 0x20000u;
 @group(1) @binding(2) var<storage, read_write> light: array<f32>;
 /// transmission (3), normal (3), depth, range, disparity, tag (bits of u32).
 @group(1) @binding(3) var<storage, read_write> surface: array<f32>;
-/// Pixels at edges, in no order: at outlines from the front, where only the light changes from the back.
+/// Pixels at edges, in no order.
 @group(1) @binding(4) var<storage, read_write> edges: array<u32>;
 /// A dispatch has at most 65535 workgroups a dimension; more pixels than this make another row of them.
 const REFINE_ACROSS: u32 = 32768u;

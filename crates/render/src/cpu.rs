@@ -103,7 +103,7 @@ struct Caster<'a> {
     airlight: AirlightGrid,
     /// In mode `full`.
     halo: Option<Halo>,
-    /// Rays nearer than this to a limb take all samples.
+    /// Rays nearer than this to a limb take more samples than one.
     graze_rad: f64,
 }
 
@@ -114,8 +114,18 @@ struct EdgeKey {
     part: u32,
     cap: bool,
     lit_by: u32,
-    /// A limb passes nearby although the centre ray does not tell.
-    grazes: bool,
+    limb: Limb,
+}
+
+/// Where the nearest limb of a rod passes, whether the pixel's centre tells or not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Limb {
+    #[default]
+    Away,
+    /// Shading is steepest there.
+    Beside,
+    /// Perhaps through the pixel.
+    Within,
 }
 
 /// Neighbouring pixels of one rod whose depths differ by more than this fraction are an edge of it against itself.
@@ -174,19 +184,26 @@ impl<'a> Caster<'a> {
                 for (column, pixel) in pixels.iter_mut().enumerate() {
                     let columns = column.saturating_sub(1)..(column + 2).min(width);
                     let here = row * width + column;
-                    let around = rows
+                    let mut around = rows
                         .clone()
                         .flat_map(|r| columns.clone().map(move |c| r * width + c));
-                    let edge = around.map(|there| edge_between(&keys, &depths, here, there));
-                    let offsets = match edge.max() {
-                        _ if keys[here].grazes => &offsets,
-                        Some(Edge::Outline) => &offsets,
-                        Some(Edge::Inner) => &inner_offsets,
-                        Some(Edge::None) | None => continue,
-                    };
+                    let limb = keys[here].limb;
+                    let is_edge = limb != Limb::Away
+                        || around.any(|there| is_edge(&keys, &depths, here, there));
+                    if !is_edge {
+                        continue;
+                    }
                     let shift = pixel_shift(pattern, column as u32, row as u32);
                     let corner = Pixel::new(column as f64, row as f64);
-                    let scattered = self.average(pixel, &corner, offsets, shift);
+                    let mut seen = Gathered::default();
+                    if limb != Limb::Within {
+                        seen = self.gather(&corner, &inner_offsets, shift);
+                    }
+                    // An outline, if there is one, is worth all samples.
+                    if seen.things.len() != 1 {
+                        seen = self.gather(&corner, &offsets, shift);
+                    }
+                    let scattered = self.store_mean(pixel, &corner, seen);
                     mixed.extend(scattered.map(|light| (column as u32, light)));
                 }
                 tick();
@@ -238,7 +255,7 @@ impl<'a> Caster<'a> {
         let mut truth = PixelTruth::NOTHING;
         let mut key = EdgeKey {
             lit_by: surface.lit_by,
-            grazes: self.world.grazes_a_limb(&ray, self.graze_rad),
+            limb: self.limb(&ray),
             ..EdgeKey::default()
         };
         if let Some(hit) = hit {
@@ -272,6 +289,17 @@ impl<'a> Caster<'a> {
         // Until it is spread over its neighbours.
         truth.forward = self.scattered(&surface.wet, surface.range_m).light;
         (truth, key)
+    }
+
+    /// Rays as near as half the grazing angle have the limb within half a diagonal of the pixel.
+    fn limb(&self, ray: &Ray) -> Limb {
+        if !self.world.grazes_a_limb(ray, self.graze_rad) {
+            Limb::Away
+        } else if self.world.grazes_a_limb(ray, 0.5 * self.graze_rad) {
+            Limb::Within
+        } else {
+            Limb::Beside
+        }
     }
 
     /// The light that the water scatters into a ray, at the lens.
@@ -316,16 +344,8 @@ impl<'a> Caster<'a> {
         }
     }
 
-    /// Replaces a pixel's light by the mean over its samples. Light from surfaces is taken at every sample; light from the water,
-    /// smooth but for the length of the ray, once for each thing seen in the pixel, at its mean distance. Returns what of each thing's
-    /// light arrives scattered.
-    fn average(
-        &self,
-        truth: &mut PixelTruth,
-        corner: &Pixel,
-        offsets: &[[f64; 2]],
-        shift: [f64; 2],
-    ) -> impl Iterator<Item = Scattered> {
+    /// The light of surfaces at every sample of a pixel.
+    fn gather(&self, corner: &Pixel, offsets: &[[f64; 2]], shift: [f64; 2]) -> Gathered {
         let mut mean = Sample::default();
         let mut things: Vec<Seen> = Vec::with_capacity(4);
         let wrapped = |offset: f64| if offset < 1.0 { offset } else { offset - 1.0 };
@@ -355,10 +375,33 @@ impl<'a> Caster<'a> {
                 seen.wet_sum[k] += sample.wet[k];
             }
         }
-        let share = 1.0 / offsets.len() as f64;
-        for light in [&mut mean.direct, &mut mean.clean, &mut mean.transmission] {
-            *light = light.map(|sum| sum * share);
+        let samples = offsets.len() as f64;
+        Gathered {
+            mean: Sample {
+                direct: mean.direct.map(|sum| sum / samples),
+                clean: mean.clean.map(|sum| sum / samples),
+                transmission: mean.transmission.map(|sum| sum / samples),
+                ..mean
+            },
+            things,
+            samples,
         }
+    }
+
+    /// Replaces a pixel's light by the mean over its samples. Light from the water, smooth but for the length of the ray, is taken once
+    /// for each thing seen in the pixel, at its mean distance. Returns what of each thing's light arrives scattered.
+    fn store_mean(
+        &self,
+        truth: &mut PixelTruth,
+        corner: &Pixel,
+        gathered: Gathered,
+    ) -> impl Iterator<Item = Scattered> {
+        let Gathered {
+            mean,
+            things,
+            samples,
+        } = gathered;
+        let share = 1.0 / samples;
         let mut backscatter = [0.0; 3];
         let centre = Pixel::new(corner.x + 0.5, corner.y + 0.5);
         if let Some((ray, gain)) = self.ray(&centre) {
@@ -378,7 +421,15 @@ impl<'a> Caster<'a> {
     }
 }
 
-/// What the samples of a pixel bring of one thing, or of none.
+/// What the samples of a pixel bring.
+#[derive(Debug, Default)]
+struct Gathered {
+    mean: Sample,
+    things: Vec<Seen>,
+    samples: f64,
+}
+
+/// What they bring of one thing, or of none.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
     thing: Option<Thing>,
@@ -415,25 +466,13 @@ fn store(truth: &mut PixelTruth, sample: &Sample, backscatter: &Bands) {
     truth.transmission = single(&sample.transmission);
 }
 
-/// What lies between two neighbouring pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Edge {
-    None,
-    /// The light changes, or one smooth piece of a thing meets the next.
-    Inner,
-    /// Of a thing before another or itself, or of a rod's end.
-    Outline,
-}
-
-fn edge_between(keys: &[EdgeKey], ranges: &[f32], here: usize, there: usize) -> Edge {
-    let (a, b) = (&keys[here], &keys[there]);
+/// Whether one sample cannot stand for both of two neighbouring pixels.
+fn is_edge(keys: &[EdgeKey], ranges: &[f32], here: usize, there: usize) -> bool {
+    let of = |pixel: usize| EdgeKey {
+        limb: Limb::Away,
+        ..keys[pixel]
+    };
     let step = f64::from((ranges[here] - ranges[there]).abs());
-    let steps = a.instance >= 2 && step > DEPTH_STEP * f64::from(ranges[here]);
-    if a.instance != b.instance || a.cap != b.cap || steps {
-        Edge::Outline
-    } else if a.part != b.part || a.lit_by != b.lit_by {
-        Edge::Inner
-    } else {
-        Edge::None
-    }
+    of(here) != of(there)
+        || (keys[here].instance >= 2 && step > DEPTH_STEP * f64::from(ranges[here]))
 }

@@ -336,8 +336,8 @@ fn grazing(ray: &Ray, hit: &Hit) -> f64 {
     hit.face_normal.dot(&ray.direction).abs().max(1e-3)
 }
 
-/// Rays nearer than this to a limb take all samples: half a diagonal of the pixel, and as much again, as shading is steepest beside
-/// a limb. Of the lens in air: behind a port rays part more slowly, but not from one point.
+/// Rays nearer than this to a limb take more samples than one: half a diagonal of the pixel, and as much again, as shading is steepest
+/// beside a limb. Of the lens in air: behind a port rays part more slowly, but not from one point.
 pub(crate) fn graze_rad(mounted: &MountedCamera) -> f64 {
     1.5 * pixel_angle_rad(&MountedCamera {
         port: None,

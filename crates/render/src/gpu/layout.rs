@@ -211,7 +211,6 @@ pub(super) struct Indirect {
     pub(super) y: u32,
     pub(super) z: u32,
     pub(super) count: u32,
-    pub(super) inner_count: u32,
 }
 
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
@@ -463,16 +462,7 @@ pub(super) mod tests {
                 has_snow
             }
         );
-        same!(
-            &MARK,
-            Indirect {
-                x,
-                y,
-                z,
-                count,
-                inner_count
-            }
-        );
+        same!(&MARK, Indirect { x, y, z, count });
         same!(
             &WEIGH,
             Flake {

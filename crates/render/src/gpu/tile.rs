@@ -198,9 +198,8 @@ impl TileBuffers {
         let none = layout::Indirect {
             x: 0,
             y: 0,
-            z: 2,
+            z: 1,
             count: 0,
-            inner_count: 0,
         };
         let mut bytes = encase::StorageBuffer::new(Vec::new());
         bytes.write(&none).expect("a vector grows");

@@ -152,8 +152,9 @@ fn compare_eye(
         DEPTH,
     );
     let found = found.map_err(|e| format!("depth: {e}"))?;
-    // Anywhere: two samples of a pixel may see the other side of an edge.
-    let mut worst = 0.0_f32;
+    // Anywhere: two samples of a pixel may see the other side of an edge. Of a few pixels at outlines one backend alone may have seen
+    // that there is one.
+    let (mut worst, mut unseen) = (0.0_f32, 0);
     for (i, is_outline) in outlines.into_iter().enumerate() {
         let (row, column) = ((i / shape[1]) as u32, (i % shape[1]) as u32);
         let (a, r) = (light(&actual.pixels[i]), light(&reference.pixels[i]));
@@ -164,24 +165,27 @@ fn compare_eye(
         let brightest = around.fold([0.0_f32; LIGHT], |most, v| {
             core::array::from_fn(|k| most[k].max(v[k]))
         });
-        let samples = if is_outline {
-            samples.outline
-        } else {
-            samples.inner
+        // Of all samples, how many the difference is.
+        let differ = |k: usize| {
+            let off = (a[k] - r[k]).abs() - 2e-3 * r[k] - digit as f32;
+            off / (brightest[k] / samples.outline).max(f32::MIN_POSITIVE)
         };
-        for k in 0..LIGHT {
-            let off = (a[k] - r[k]).abs();
-            let allowed = SAMPLES_DIFFER / samples * brightest[k] + 2e-3 * r[k] + digit as f32;
-            // `!(…)` refuses NaN.
-            if !(off <= allowed) {
-                return Err(format!(
-                    "column {column}, row {row}, channel {k}: {} instead of {}",
-                    a[k], r[k]
-                ));
-            }
-            worst =
-                worst.max((off - digit as f32) / (brightest[k] / samples).max(f32::MIN_POSITIVE));
+        let most = SAMPLES_DIFFER * samples.outline / samples.inner;
+        // `!(…)` refuses NaN.
+        if let Some(k) = (0..LIGHT).find(|&k| !(differ(k) <= most)) {
+            return Err(format!(
+                "column {column}, row {row}, channel {k}: {} instead of {}",
+                a[k], r[k]
+            ));
         }
+        let here = (0..LIGHT).map(differ).fold(0.0, f32::max);
+        unseen += usize::from(is_outline && here > SAMPLES_DIFFER);
+        worst = worst.max(here);
+    }
+    if unseen as f64 > (IDS_DIFFER * pixels as f64).max(4.0) {
+        return Err(format!(
+            "{unseen} of {pixels} pixels at outlines differ by more than {SAMPLES_DIFFER} samples"
+        ));
     }
     let edges = edges.iter().filter(|edge| **edge).count();
     Ok(format!(
