@@ -106,11 +106,13 @@ fn solid_grazes(solid: Solid, origin_m: vec3<f32>, direction: vec3<f32>, footpri
         return true;
     }
     let t = dot(cross(w, d), c) / sin2;
-    let s = dot(d, direction) * t - dot(d, w);
+    let cos = dot(d, direction);
+    let s = cos * t - dot(d, w);
     let margin = t * footprint_rad;
     let sin = sqrt(sin2);
+    // A ray through the rim of a cap comes nearest to the axis at most r |cos|/sin beyond the cap.
     return t > 0.0
-        && abs(s) <= solid.half_length_m + (margin + solid.radius_m) / sin
+        && abs(s) <= solid.half_length_m + (margin + solid.radius_m * abs(cos)) / sin
         && abs(abs(dot(c, w)) / sin - solid.radius_m) < margin;
 }
 

@@ -14,9 +14,18 @@ fn water_phase_per_sr(one_minus_cos: f32) -> f32 {
     return sum;
 }
 
-/// What one lamp's light adds to a stretch of a ray: (b/h) I Σ p(μ) cone e^(-K(r+t)) dθ.
-fn water_scattered(lamp: Lamp, ray: EyeRay, from_m: f32, to_m: f32) -> vec3<f32> {
+/// Midpoints of a stretch: as dense in the angle about the lamp as the scene's are on half a turn, and four at least.
+fn water_points_on(lamp: Lamp, ray: EyeRay, from_m: f32, to_m: f32) -> u32 {
     let points = frame.airlight_points;
+    let origin_m = ray.origin_m - lamp.position_m;
+    let start_m = origin_m + ray.direction * from_m;
+    let end_m = origin_m + ray.direction * to_m;
+    let angle_rad = atan2(length(cross(start_m, end_m)), dot(start_m, end_m));
+    return clamp(u32(ceil(f32(points) * angle_rad / 3.14159265)), min(points, 4u), points);
+}
+
+/// What one lamp's light adds to a stretch of a ray: (b/h) I Σ p(μ) cone e^(-K(r+t)) dθ.
+fn water_scattered(lamp: Lamp, ray: EyeRay, from_m: f32, to_m: f32, points: u32) -> vec3<f32> {
     let direction = ray.direction;
     let nodes = airlight_nodes(lamp.position_m - (ray.origin_m + direction * from_m), direction, to_m - from_m, points);
     var sum = vec3<f32>(0.0);
@@ -67,7 +76,7 @@ fn water_unshadowed(ray: EyeRay, pixel: vec2<f32>, distance_m: f32) -> vec3<f32>
     if !AIRLIGHT_TABLE {
         var sum = vec3<f32>(0.0);
         for (var i = 0u; i < frame.lamps; i++) {
-            sum += water_scattered(lamps[i], ray, 0.0, min(distance_m, frame.horizon_m));
+            sum += water_scattered(lamps[i], ray, 0.0, min(distance_m, frame.horizon_m), frame.airlight_points);
         }
         return sum;
     }
@@ -118,7 +127,7 @@ fn water_backscatter(ray: EyeRay, pixel: vec2<f32>, distance_m: f32) -> vec3<f32
             let dark = water_next_dark(i, ray, end, lit_from);
             let from_m = max(dark.x, lit_from);
             if dark.y - from_m > MIN_STRETCH_M {
-                light -= water_scattered(lamps[i], ray, from_m, dark.y);
+                light -= water_scattered(lamps[i], ray, from_m, dark.y, water_points_on(lamps[i], ray, from_m, dark.y));
             }
             lit_from = max(lit_from, dark.y);
         }

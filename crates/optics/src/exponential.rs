@@ -14,7 +14,11 @@ const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 ///   x = k ln 2 + r, |r| ≤ ½ ln 2;  e^x = 2^k Σ rⁿ/n!
 #[inline]
 pub(crate) fn exp<const N: usize>(x: &[f64; N]) -> [f64; N] {
-    x.map(exp_1)
+    let mut y = *x;
+    for value in &mut y {
+        *value = exp_1(*value);
+    }
+    y
 }
 
 #[inline]

@@ -137,5 +137,6 @@ impl Medium {
 /// e^(−K s): what is left of a beam after a path of s metres.
 #[inline]
 pub fn transmittance(attenuation_per_m: &Bands, path_m: f64) -> Bands {
-    exponential::exp(&attenuation_per_m.map(|k| -k * path_m))
+    let [r, g, b] = attenuation_per_m;
+    exponential::exp(&[-r * path_m, -g * path_m, -b * path_m])
 }

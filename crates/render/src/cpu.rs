@@ -114,7 +114,14 @@ struct EdgeKey {
     part: u32,
     cap: bool,
     lit_by: u32,
+}
+
+/// What tells pixels at edges from others.
+#[derive(Clone, Copy, Debug, Default)]
+struct Mark {
+    key: EdgeKey,
     limb: Limb,
+    range_m: f32,
 }
 
 /// Where the nearest limb of a rod passes, whether the pixel's centre tells or not.
@@ -158,21 +165,17 @@ impl<'a> Caster<'a> {
             progress(f64::from(done) / (2.0 * f64::from(i.height_px)));
         };
 
-        let mut pixels = vec![PixelTruth::NOTHING; width * height];
-        let mut keys = vec![EdgeKey::default(); width * height];
-        pixels
-            .par_chunks_mut(width)
-            .zip(keys.par_chunks_mut(width))
-            .enumerate()
-            .for_each(|(row, (pixels, keys))| {
-                for (column, (pixel, key)) in pixels.iter_mut().zip(keys).enumerate() {
-                    (*pixel, *key) =
-                        self.centre(&Pixel::new(column as f64 + 0.5, row as f64 + 0.5));
-                }
+        let (mut pixels, mut marks) = (Vec::new(), Vec::new());
+        let centres = (0..width * height).into_par_iter().map(|index| {
+            let (column, row) = (index % width, index / width);
+            let seen = self.centre(&Pixel::new(column as f64 + 0.5, row as f64 + 0.5));
+            if column + 1 == width {
                 tick();
-            });
+            }
+            seen
+        });
+        centres.unzip_into_vecs(&mut pixels, &mut marks);
 
-        let depths: Vec<f32> = pixels.iter().map(|pixel| pixel.range_m).collect();
         let pattern = self.world.scene.sampling.edge;
         let (offsets, inner_offsets) = (edge_offsets(pattern), inner_offsets(pattern));
         let mut mixed: Vec<Mixed> = pixels
@@ -187,9 +190,9 @@ impl<'a> Caster<'a> {
                     let mut around = rows
                         .clone()
                         .flat_map(|r| columns.clone().map(move |c| r * width + c));
-                    let limb = keys[here].limb;
+                    let limb = marks[here].limb;
                     let is_edge = limb != Limb::Away
-                        || around.any(|there| is_edge(&keys, &depths, here, there));
+                        || around.any(|there| is_edge(&marks[here], &marks[there]));
                     if !is_edge {
                         continue;
                     }
@@ -245,9 +248,9 @@ impl<'a> Caster<'a> {
     }
 
     /// Everything about the ray through a pixel's centre.
-    fn centre(&self, pixel: &Pixel) -> (PixelTruth, EdgeKey) {
+    fn centre(&self, pixel: &Pixel) -> (PixelTruth, Mark) {
         let Some((ray, gain)) = self.ray(pixel) else {
-            return (PixelTruth::NOTHING, EdgeKey::default());
+            return (PixelTruth::NOTHING, Mark::default());
         };
         let hit = self.world.hit(&ray);
         let surface = self.light_of(&ray, gain, hit.as_ref());
@@ -255,7 +258,6 @@ impl<'a> Caster<'a> {
         let mut truth = PixelTruth::NOTHING;
         let mut key = EdgeKey {
             lit_by: surface.lit_by,
-            limb: self.limb(&ray),
             ..EdgeKey::default()
         };
         if let Some(hit) = hit {
@@ -288,7 +290,12 @@ impl<'a> Caster<'a> {
         store(&mut truth, &surface, &backscatter);
         // Until it is spread over its neighbours.
         truth.forward = self.scattered(&surface.wet, surface.range_m).light;
-        (truth, key)
+        let mark = Mark {
+            key,
+            limb: self.limb(&ray),
+            range_m: truth.range_m,
+        };
+        (truth, mark)
     }
 
     /// Rays as near as half the grazing angle have the limb within half a diagonal of the pixel.
@@ -467,12 +474,7 @@ fn store(truth: &mut PixelTruth, sample: &Sample, backscatter: &Bands) {
 }
 
 /// Whether one sample cannot stand for both of two neighbouring pixels.
-fn is_edge(keys: &[EdgeKey], ranges: &[f32], here: usize, there: usize) -> bool {
-    let of = |pixel: usize| EdgeKey {
-        limb: Limb::Away,
-        ..keys[pixel]
-    };
-    let step = f64::from((ranges[here] - ranges[there]).abs());
-    of(here) != of(there)
-        || (keys[here].instance >= 2 && step > DEPTH_STEP * f64::from(ranges[here]))
+fn is_edge(here: &Mark, there: &Mark) -> bool {
+    let step = f64::from((here.range_m - there.range_m).abs());
+    here.key != there.key || (here.key.instance >= 2 && step > DEPTH_STEP * f64::from(here.range_m))
 }

@@ -1,5 +1,6 @@
 //! What a renderer returns.
 
+use rayon::prelude::*;
 use rodsight_geometry::{Band, Eye};
 use rodsight_scene::{Mode, Scene};
 
@@ -54,10 +55,10 @@ impl EyeFrame {
         if scene.mode != Mode::Full {
             return;
         }
-        for pixel in &mut self.pixels {
+        self.pixels.par_iter_mut().for_each(|pixel| {
             let range_m = f64::from(pixel.range_m);
             pixel.beyond_model = range_m.is_finite() && scene.medium.is_beyond_model(range_m);
-        }
+        });
     }
 
     /// Takes the light of one band from a frame of the same size.

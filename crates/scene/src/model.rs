@@ -205,7 +205,7 @@ pub struct Emva {
 pub struct Sampling {
     /// Samples in a pixel at an edge.
     pub edge: EdgeSampling,
-    /// Midpoints of the scattering integral per lamp and shadowed stretch of a ray.
+    /// Midpoints of the scattering integral per lamp and half a turn of a shadowed stretch about it, four at least.
     pub airlight_points: u32,
 }
 

@@ -199,12 +199,12 @@ impl World<'_> {
         }
         let mut lamps = *unshadowed;
         let distance_m = distance_m.min(self.horizon_m);
-        let points = self.scene.sampling.airlight_points;
         for lamp in &self.lamps {
             let mut lit_from_m = 0.0_f64;
             for (from_m, to_m) in lamp.shadows.dark_stretches(ray, distance_m) {
                 let from_m = from_m.max(lit_from_m);
                 if to_m - from_m > MIN_STRETCH_M {
+                    let points = self.points_on(lamp, ray, from_m, to_m);
                     let missing = self.scattered(lamp, ray, from_m, to_m, points);
                     lamps = core::array::from_fn(|k| lamps[k] - missing[k]);
                 }
@@ -285,6 +285,16 @@ impl World<'_> {
         );
         let before = transmittance(&self.lamp_attenuation_per_m, from_m);
         core::array::from_fn(|k| lamp.radiant_intensity_w_per_sr[k] * scattered[k] * before[k])
+    }
+
+    /// Midpoints of a stretch: as dense in the angle about the lamp as the scene's are on half a turn, and four at least.
+    fn points_on(&self, light: &LampLight, ray: &Ray, from_m: f64, to_m: f64) -> u32 {
+        let points = self.scene.sampling.airlight_points;
+        let from = ray.at(from_m) - light.lamp.position_m;
+        let to = ray.at(to_m) - light.lamp.position_m;
+        let angle_rad = libm::atan2(from.cross(&to).norm(), from.dot(&to));
+        let dense = libm::ceil(f64::from(points) * angle_rad / core::f64::consts::PI) as u32;
+        dense.clamp(points.min(4), points)
     }
 
     fn airlight(&self, points: u32) -> Airlight<'_> {

@@ -100,17 +100,51 @@ impl Rectangle {
         }
     }
 
-    /// Share of a lobe's light from within: ∬ w/(2π (w² + x² + y²)^(3/2)) = Σ ± atan(x y/(w √(w² + x² + y²)))/2π over the corners.
+    /// Share of a lobe's light from within: ∬ w/(2π (w² + x² + y²)^(3/2)) = Σ ± atan(x y/(w √(w² + x² + y²)))/2π over the corners. The sum
+    /// of angles is taken as the angle of a product.
     pub(crate) fn share(&self, width: f64) -> f64 {
-        let corner = |x: f64, y: f64| (width * (width * width + x * x + y * y).sqrt(), x * y);
-        let [x0, x1] = self.across;
-        let between = |y: f64| {
-            let ((a, b), (c, d)) = (corner(x0, y), corner(x1, y));
-            libm::atan2(a * d - b * c, a * c + b * d)
+        let corner = |x: f64, y: f64| [width * (width * width + x * x + y * y).sqrt(), x * y];
+        let ([x0, x1], [y0, y1]) = (self.across, self.along);
+        let turned = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a * c + b * d, b * c - a * d];
+        let high = turned(corner(x1, y1), corner(x0, y1));
+        let low = turned(corner(x1, y0), corner(x0, y0));
+        let [cos, sin] = turned(high, low);
+        let angle = angle_rad(cos, sin);
+        // More than half of the light only where the lamp itself is hidden.
+        let hides_the_lamp = x0 < 0.0 && x1 > 0.0 && y0 < 0.0 && y1 > 0.0;
+        let angle = if hides_the_lamp && angle < 0.0 {
+            angle + 2.0 * PI
+        } else {
+            angle
         };
-        let [y0, y1] = self.along;
-        ((between(y1) - between(y0)) / (2.0 * PI)).clamp(0.0, 1.0)
+        (angle / (2.0 * PI)).clamp(0.0, 1.0)
     }
+}
+
+/// atan2(y, x) within 2e-8 rad, without a branch: Hastings' polynomial (Abramowitz and Stegun, 4.4.49).
+pub(crate) fn angle_rad(x: f64, y: f64) -> f64 {
+    let (along, aside) = (x.abs(), y.abs());
+    let z = along.min(aside) / along.max(aside).max(f64::MIN_POSITIVE);
+    let z2 = z * z;
+    let odd = [
+        -0.333_331_452_8,
+        0.199_935_508_5,
+        -0.142_088_994_4,
+        0.106_562_639_3,
+        -0.075_289_640_0,
+        0.042_909_613_8,
+        -0.016_165_736_7,
+        0.002_866_225_7,
+    ];
+    let sum = odd.iter().rev().fold(0.0, |sum, c| (sum + c) * z2);
+    let angle = z + z * sum;
+    let angle = if aside > along {
+        0.5 * PI - angle
+    } else {
+        angle
+    };
+    let angle = if x < 0.0 { PI - angle } else { angle };
+    angle.copysign(y)
 }
 
 /// The forward lobes of a medium: shares that sum to 1, and half their widths.

@@ -144,10 +144,11 @@ impl Capped {
         let cos = ray.direction.dot(&axis.direction);
         let t = (w.dot(&ray.direction) - cos * w.dot(&axis.direction)) / sin2;
         let s = (cos * w.dot(&ray.direction) - w.dot(&axis.direction)) / sin2;
-        let margin = t * footprint_rad;
+        let (margin, radius, sin) = (t * footprint_rad, self.cylinder.radius_m, sin2.sqrt());
+        // A ray through the rim of a cap comes nearest to the axis at most r |cos|/sin beyond the cap.
         t > 0.0
-            && s.abs() <= self.half_length_m + (margin + self.cylinder.radius_m) / libm::sqrt(sin2)
-            && (cross.dot(&w).abs() / libm::sqrt(sin2) - self.cylinder.radius_m).abs() < margin
+            && s.abs() <= self.half_length_m + (margin + radius * cos.abs()) / sin
+            && (cross.dot(&w).abs() / sin - radius).abs() < margin
     }
 
     /// Whether the first `length_m` of the ray meet the cylinder.

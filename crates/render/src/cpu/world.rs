@@ -250,8 +250,10 @@ impl<'a> World<'a> {
             origin_m: *from_m,
             direction: to_point / distance,
         };
-        self.hit(&ray)
-            .is_some_and(|hit| hit.t_m < distance * (1.0 - 1e-6) - 1e-6)
+        let reach_m = distance * (1.0 - 1e-6) - 1e-6;
+        let floor_m = self.scene.seabed.as_ref();
+        let floor_m = floor_m.and_then(|seabed| seabed::hit(seabed, &ray));
+        floor_m.is_some_and(|t_m| t_m < reach_m) || self.blocks(&ray, reach_m)
     }
 
     /// Whether a limb of a rod passes so near the ray that a single sample cannot stand for the pixel.

@@ -95,3 +95,27 @@ fn shadows_deepen_with_the_radius_and_fade_with_the_distance() {
         assert_eq!(Rectangle::of(&rod, &Vec3::zeros(), &lamp_m), None);
     }
 }
+
+#[test]
+fn angle_agrees_with_libm() {
+    let mut worst: f64 = 0.0;
+    for i in 0..100_000 {
+        let [x, y, size, _] = Philox::new(3).uniforms([i, 0, 0, 0]);
+        let [x, y] = [x, y].map(|v| (2.0 * v - 1.0) * libm::exp(60.0 * size - 30.0));
+        worst = worst.max((angle_rad(x, y) - libm::atan2(y, x)).abs());
+    }
+    assert!(worst < 2e-8, "{worst:e}");
+    for (x, y) in [
+        (0.0, 0.0),
+        (1.0, 0.0),
+        (0.0, 1.0),
+        (0.0, -2.0),
+        (-1.0, 0.0),
+        (-1.0, -0.0),
+    ] {
+        assert!(
+            (angle_rad(x, y) - libm::atan2(y, x)).abs() < 2e-8,
+            "{x} {y}"
+        );
+    }
+}

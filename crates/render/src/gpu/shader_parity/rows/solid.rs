@@ -220,7 +220,7 @@ fn boxes() -> Vec<Row> {
                     origin_m: vec3(x, 6),
                     direction: vec3(x, 9),
                 };
-                yes(Slabs::new(&ray, x[12]).enter_m(&node).is_some_and(|enter_m| enter_m < x[13]))
+                yes(Slabs::new(&ray, x[12]).enter_m(&node) < x[13])
             }),
             relative: 0.0,
             absolute: 1e-6,
