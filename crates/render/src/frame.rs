@@ -136,10 +136,10 @@ impl PixelTruth {
         beyond_model: false,
     };
 
-    /// Makes the radiance that of its parts.
+    /// Makes the radiance that of its parts; the halo last, as it is known last.
     pub(crate) fn sum_radiance(&mut self) {
-        let [direct, forward, back, snow] =
-            [self.direct, self.forward, self.backscatter, self.snow];
-        self.radiance = core::array::from_fn(|k| direct[k] + forward[k] + back[k] + snow[k]);
+        let [direct, back, snow, forward] =
+            [self.direct, self.backscatter, self.snow, self.forward];
+        self.radiance = core::array::from_fn(|k| direct[k] + back[k] + snow[k] + forward[k]);
     }
 }
