@@ -18,7 +18,9 @@ use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
 };
 use rodsight_geometry::{Camera, Eye, Intrinsics, Mat3, Pose, Vec3};
-use rodsight_render::{AdapterChoice, CpuRenderer, GpuRenderer, RenderError, Renderer, develop};
+use rodsight_render::{
+    AdapterChoice, CpuRenderer, Developed, GpuRenderer, RenderError, Renderer, develop,
+};
 use rodsight_scene::{Mesh, MeshMaterial, MeshPart, Mode, Prop, Scene, Sensor, Snow};
 
 const MODES: [(&str, Mode); 4] = [
@@ -252,5 +254,36 @@ fn sensor(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, modes, contents, sensor);
+/// Images alone, by way of a frame and without: the same adapter, and what comes back from it.
+fn images(criterion: &mut Criterion) {
+    let gpu = match GpuRenderer::new(AdapterChoice::HardwareOrSoftware) {
+        Ok(gpu) => gpu,
+        Err(error) => return println!("images left out: {error}"),
+    };
+    println!("images: {}", gpu.adapter());
+    let mut scene = founding_scene();
+    let take = |scene: &Scene, by_frame| -> Result<Developed, RenderError> {
+        if by_frame {
+            return develop(&gpu.render(scene, &|_| ())?, scene);
+        }
+        gpu.shoot(scene, &|_| ())
+    };
+    let mut group = slow(criterion, "images of a pair 1080p");
+    group.throughput(Throughput::Elements(pixels(&scene)));
+    for (name, mode) in [("single", Mode::Single), ("full", Mode::Full)] {
+        scene.mode = mode;
+        for (way, by_frame) in [("by frame", true), ("shot", false)] {
+            group.bench_function(BenchmarkId::new(name, way), |b| {
+                let before = gpu.bytes_read();
+                take(&scene, by_frame).expect("the scene renders");
+                let bytes = gpu.bytes_read() - before;
+                println!("{name}, {way}: {bytes} bytes come back");
+                b.iter(|| take(black_box(&scene), by_frame));
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, images, modes, contents, sensor);
 criterion_main!(benches);

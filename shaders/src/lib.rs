@@ -80,6 +80,17 @@ pub const SPHERE: Part = part!("lib/sphere.wgsl");
 /// Light scattered forwards; needs [`MATHS`] and [`MEDIUM`].
 pub const HALO: Part = part!("lib/halo.wgsl");
 
+/// Random numbers by counter.
+pub const NOISE: Part = part!("lib/noise.wgsl");
+/// The transfer function of sRGB.
+pub const SRGB: Part = part!("lib/srgb.wgsl");
+/// Vignetting; needs [`CAMERA`].
+pub const LENS: Part = part!("lib/lens.wgsl");
+/// Colour filters.
+pub const BAYER: Part = part!("lib/bayer.wgsl");
+/// Photons to codes; needs [`NOISE`].
+pub const EMVA: Part = part!("lib/emva.wgsl");
+
 /// Every file of pure functions.
 pub const LIB: &[Part] = &[
     MATHS,
@@ -106,6 +117,11 @@ pub const LIB: &[Part] = &[
     DISC,
     SPHERE,
     HALO,
+    NOISE,
+    SRGB,
+    LENS,
+    BAYER,
+    EMVA,
 ];
 
 const SCENE: Part = part!("pass/scene.wgsl");
@@ -118,6 +134,9 @@ const HALO_LEVELS: Part = part!("pass/halo.wgsl");
 const HALO_IMAGE: Part = part!("pass/halo_image.wgsl");
 const HALO_BLUR: Part = part!("pass/halo_blur.wgsl");
 const BEYOND: Part = part!("pass/beyond.wgsl");
+const FILM: Part = part!("pass/film.wgsl");
+const METER: Part = part!("pass/meter.wgsl");
+const CHIP: Part = part!("pass/chip.wgsl");
 
 /// What every pass that casts rays is made of, and more.
 macro_rules! casting {
@@ -269,6 +288,67 @@ pub const BLUR_COLUMNS: Pass = Pass {
     ],
 };
 
+/// The light of a tile, for its image.
+pub const COLLECT: Pass = Pass {
+    name: "collect",
+    parts: &[MATHS, CAMERA, FILM, TILE, part!("pass/collect.wgsl")],
+};
+
+/// The halo and the lens's vignetting.
+pub const THROUGH_LENS: Pass = Pass {
+    name: "lens",
+    parts: &[MATHS, CAMERA, LENS, FILM, part!("pass/lens.wgsl")],
+};
+
+/// The lens's blur, along one direction.
+pub const SMEAR: Pass = Pass {
+    name: "smear",
+    parts: &[MATHS, CAMERA, FILM, part!("pass/smear.wgsl")],
+};
+
+/// Counts samples of light.
+pub const TALLY: Pass = Pass {
+    name: "tally",
+    parts: &[MATHS, CAMERA, FILM, METER, part!("pass/tally.wgsl")],
+};
+
+/// Finds one by its rank.
+pub const RANK: Pass = Pass {
+    name: "rank",
+    parts: &[METER, part!("pass/rank.wgsl")],
+};
+
+/// Light to the converter's codes.
+pub const SENSE: Pass = Pass {
+    name: "sense",
+    parts: &[
+        MATHS,
+        CAMERA,
+        NOISE,
+        BAYER,
+        EMVA,
+        FILM,
+        CHIP,
+        part!("pass/sense.wgsl"),
+    ],
+};
+
+/// Codes to the image.
+pub const PRINT: Pass = Pass {
+    name: "print",
+    parts: &[
+        MATHS,
+        CAMERA,
+        NOISE,
+        SRGB,
+        BAYER,
+        EMVA,
+        FILM,
+        CHIP,
+        part!("pass/print.wgsl"),
+    ],
+};
+
 /// Every pass.
 pub const PASSES: &[Pass] = &[
     CENTRE,
@@ -283,6 +363,13 @@ pub const PASSES: &[Pass] = &[
     GATHER,
     BLUR_ROWS,
     BLUR_COLUMNS,
+    COLLECT,
+    THROUGH_LENS,
+    SMEAR,
+    TALLY,
+    RANK,
+    SENSE,
+    PRINT,
 ];
 
 impl Pass {

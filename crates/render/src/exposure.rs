@@ -26,8 +26,8 @@ const MOST: f64 = 2047.0;
 ///
 /// # Errors
 /// As [`Renderer::render`], and a blur that would take more than 2047 renders.
-pub fn expose(
-    renderer: &dyn Renderer,
+pub fn expose<R: Renderer + ?Sized>(
+    renderer: &R,
     scene: &Scene,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Frame, RenderError> {

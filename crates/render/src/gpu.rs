@@ -10,6 +10,7 @@ mod layout;
 mod passes;
 #[cfg(test)]
 mod shader_parity;
+mod shoot;
 mod snow;
 mod tables;
 #[cfg(test)]
@@ -18,6 +19,7 @@ mod tile;
 mod timer;
 mod upload;
 
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rodsight_geometry::{Band, Eye};
@@ -27,7 +29,7 @@ pub use device::AdapterChoice;
 
 use crate::cpu::world::World;
 use crate::frame::{EyeFrame, Frame, PixelTruth};
-use crate::{RenderError, Renderer};
+use crate::{Developed, RenderError, Renderer, develop, expose};
 use device::Gpu;
 use halo::HaloEye;
 use passes::{Passes, Pipelines};
@@ -40,6 +42,13 @@ use upload::Upload;
 /// Pixels of a tile, where the adapter allows it: enough to keep any card busy, and 60 MB of buffers.
 const TILE_PIXELS: u64 = 1 << 19;
 
+/// What of a pair is to come back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wanted {
+    Channels,
+    Images,
+}
+
 /// The scene as one eye sees it, and the pipelines that take it.
 #[derive(Debug)]
 struct SceneBuffers {
@@ -48,6 +57,13 @@ struct SceneBuffers {
     /// In mode `full`.
     halo: Option<HaloEye>,
     snow: Option<(Snow, Arc<[wgpu::ComputePipeline; 2]>)>,
+}
+
+/// A band of both eyes, ready to be cast.
+struct Casting {
+    tiles: Vec<(Eye, Tile)>,
+    scenes: [SceneBuffers; 2],
+    buffers: [TileBuffers; 2],
 }
 
 /// The renderer on a graphics card, or on a software driver for one.
@@ -86,7 +102,13 @@ impl GpuRenderer {
         }
     }
 
-    /// How long each pass of the last pair took on the adapter, s, both eyes together; zeros where the adapter does not tell the time.
+    /// How many bytes were copied back from the adapter so far.
+    pub fn bytes_read(&self) -> u64 {
+        self.device.bytes_read.load(Ordering::Relaxed)
+    }
+
+    /// How long each pass of the last pair that was rendered with its channels took on the adapter, s, both eyes together; zeros where
+    /// the adapter does not tell the time.
     pub fn stage_times_s(&self) -> [(&'static str, f64); 7] {
         let times = *self.times.lock().unwrap_or_else(PoisonError::into_inner);
         core::array::from_fn(|stage| (TIMED[stage], times[stage]))
@@ -111,7 +133,13 @@ impl GpuRenderer {
     }
 
     /// The scene's buffers as one eye sees them in one band.
-    fn bind(&self, world: &World<'_>, eye: Eye, band: Band) -> Result<SceneBuffers, RenderError> {
+    fn bind(
+        &self,
+        world: &World<'_>,
+        eye: Eye,
+        band: Band,
+        wanted: Wanted,
+    ) -> Result<SceneBuffers, RenderError> {
         let mounted = world.scene.rig.eye(eye).in_band(band);
         let tables = self.tables.of(world, &mounted);
         let upload = Upload::new(world, eye, band, &tables.airlight);
@@ -127,7 +155,15 @@ impl GpuRenderer {
             .map(|snow| (snow, self.passes.snow(&self.device, upload.variant)));
         let halo = tables.halo.as_ref().map(|halo| {
             let passes = self.passes.halo(&self.device);
-            HaloEye::new(&self.device, passes, layout, upload.variant, halo, &mounted)
+            HaloEye::new(
+                &self.device,
+                passes,
+                layout,
+                upload.variant,
+                halo,
+                &mounted,
+                wanted,
+            )
         });
         Ok(SceneBuffers {
             group: tile::bind_group(&self.device.device, "scene", layout, &buffers),
@@ -142,6 +178,7 @@ impl GpuRenderer {
         scene: &SceneBuffers,
         buffers: &TileBuffers,
         tile: &Tile,
+        end: impl FnOnce(&mut wgpu::CommandEncoder),
     ) -> wgpu::SubmissionIndex {
         let Gpu { device, queue, .. } = &self.device;
         buffers.prepare(&self.device, tile);
@@ -153,7 +190,7 @@ impl GpuRenderer {
         if let Some(halo) = &scene.halo {
             halo.encode_weigh(&mut encoder, self.passes.halo(&self.device), buffers, tile);
         }
-        buffers.encode_copy(&mut encoder, tile);
+        end(&mut encoder);
         queue.submit([encoder.finish()])
     }
 
@@ -213,21 +250,10 @@ impl GpuRenderer {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<[EyeFrame; 2], RenderError> {
         let scene = world.scene;
-        let tiles = self.tiles(scene)?;
-        let scenes = [
-            self.bind(world, Eye::Left, band)?,
-            self.bind(world, Eye::Right, band)?,
-        ];
-        let is_spread = scene.mode == Mode::Full;
-        let largest = |eye| {
-            let of_eye = tiles.iter().filter(|(e, _)| *e == eye);
-            of_eye.map(|(_, tile)| tile.pixels()).max().unwrap_or(0)
-        };
-        let buffers = Eye::BOTH.map(|eye| {
-            let snow = scenes[eye as usize].snow.as_ref().map(|(snow, _)| snow);
-            let device = &self.device;
-            TileBuffers::new(device, &self.passes, largest(eye), is_spread, snow)
-        });
+        let casting = self.casting(world, band, Wanted::Channels)?;
+        let Casting {
+            scenes, buffers, ..
+        } = &casting;
         let mut eyes = Eye::BOTH.map(|eye| {
             let i = scene.rig.eye(eye).camera.intrinsics();
             EyeFrame {
@@ -237,34 +263,78 @@ impl GpuRenderer {
             }
         });
         let materials = world.materials();
-        let mut read = |(eye, tile, submission): (Eye, &Tile, _), eyes: &mut [EyeFrame; 2]| {
-            let width = tile.width as usize;
-            let rows = tile.kept.start as usize * width..tile.kept.end as usize * width;
-            let pixels = &mut eyes[eye as usize].pixels[rows];
-            buffers[eye as usize].read(&self.device, submission, tile, pixels, times)?;
-            for pixel in pixels {
-                pixel.material = materials[pixel.instance as usize];
-            }
-            Ok(())
-        };
-        // While one eye's tile is read the other eye's is computed.
+        self.cast(
+            &casting,
+            |encoder, eye, tile| buffers[eye as usize].encode_copy(encoder, tile),
+            |eye, tile, submission| {
+                let width = tile.width as usize;
+                let rows = tile.kept.start as usize * width..tile.kept.end as usize * width;
+                let pixels = &mut eyes[eye as usize].pixels[rows];
+                buffers[eye as usize].read(&self.device, submission, tile, pixels, times)?;
+                for pixel in pixels {
+                    pixel.material = materials[pixel.instance as usize];
+                }
+                Ok(())
+            },
+            progress,
+        )?;
+        self.spread(scenes, &mut eyes, times)?;
+        progress(1.0);
+        Ok(eyes)
+    }
+
+    fn casting(
+        &self,
+        world: &World<'_>,
+        band: Band,
+        wanted: Wanted,
+    ) -> Result<Casting, RenderError> {
+        let tiles = self.tiles(world.scene)?;
+        let scenes = [
+            self.bind(world, Eye::Left, band, wanted)?,
+            self.bind(world, Eye::Right, band, wanted)?,
+        ];
+        let is_spread = world.scene.mode == Mode::Full;
+        let buffers = Eye::BOTH.map(|eye| {
+            let of_eye = tiles.iter().filter(|(e, _)| *e == eye);
+            let largest = of_eye.map(|(_, tile)| tile.pixels()).max().unwrap_or(0);
+            let snow = scenes[eye as usize].snow.as_ref().map(|(snow, _)| snow);
+            let device = &self.device;
+            TileBuffers::new(device, &self.passes, largest, is_spread, snow, wanted)
+        });
+        Ok(Casting {
+            tiles,
+            scenes,
+            buffers,
+        })
+    }
+
+    /// Casts all tiles. `end` closes a tile's submission, `take` waits for it and takes what it left.
+    fn cast(
+        &self,
+        casting: &Casting,
+        end: impl Fn(&mut wgpu::CommandEncoder, Eye, &Tile),
+        mut take: impl FnMut(Eye, &Tile, wgpu::SubmissionIndex) -> Result<(), RenderError>,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<(), RenderError> {
+        let tiles = &casting.tiles;
+        // While one eye's tile is taken the other eye's is computed.
         let mut before: Option<(Eye, &Tile, wgpu::SubmissionIndex)> = None;
         for (done, (eye, tile)) in tiles.iter().enumerate() {
-            if let Some(pending) = before.take_if(|(there, ..)| there == eye) {
-                read(pending, &mut eyes)?;
+            if let Some((eye, tile, submission)) = before.take_if(|(there, ..)| there == eye) {
+                take(eye, tile, submission)?;
             }
-            let submission = self.submit(&scenes[*eye as usize], &buffers[*eye as usize], tile);
-            if let Some(pending) = before.replace((*eye, tile, submission)) {
-                read(pending, &mut eyes)?;
+            let index = *eye as usize;
+            let (scene, buffers) = (&casting.scenes[index], &casting.buffers[index]);
+            let submission = self.submit(scene, buffers, tile, |encoder| end(encoder, *eye, tile));
+            if let Some((eye, tile, submission)) = before.replace((*eye, tile, submission)) {
+                take(eye, tile, submission)?;
             }
             progress(done as f64 / tiles.len() as f64);
         }
-        if let Some(pending) = before {
-            read(pending, &mut eyes)?;
-        }
-        self.spread(&scenes, &mut eyes, times)?;
-        progress(1.0);
-        Ok(eyes)
+        before.map_or(Ok(()), |(eye, tile, submission)| {
+            take(eye, tile, submission)
+        })
     }
 }
 
@@ -290,5 +360,25 @@ impl Renderer for GpuRenderer {
             backend: self.backend(),
             adapter: self.adapter(),
         })
+    }
+
+    /// On the adapter, of which nothing but images, raw codes and the exposure comes back. They differ from what [`develop`] makes of
+    /// [`Self::render`]'s frame by rounding: by a digit, or a code of the sensor, in fewer than a thousandth of the pixels at 8 bits and a
+    /// hundredth at 16.
+    ///
+    /// By way of a frame after all go scenes with motion or an aperture, which take a mean over many renders; images of more light
+    /// than one of the adapter's buffers holds; and sensors whose full well is of more electrons than `f32` counts, 2^24.
+    fn shoot(
+        &self,
+        scene: &Scene,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Developed, RenderError> {
+        if !self.can_shoot(scene) {
+            return develop(&expose(self, scene, progress)?, scene);
+        }
+        for eye in Eye::BOTH {
+            RenderError::refuse_too_large(scene, eye)?;
+        }
+        self.device.watched(|| self.shoot_pair(scene, progress))
     }
 }

@@ -1,7 +1,7 @@
 //! The lens, on the way from radiance to what falls on the sensor: vignetting, then blur. The blur that depends on depth is
 //! [`expose`](crate::expose)'s.
 
-mod blur;
+pub(crate) mod blur;
 
 use rayon::prelude::*;
 use rodsight_geometry::{Camera, Eye, Pixel};
@@ -30,7 +30,7 @@ pub(crate) fn on_sensor(frame: &EyeFrame, scene: &Scene, eye: Eye) -> Vec<[f32; 
 }
 
 /// cos⁴θ (1 + v1 r² + v2 r⁴), not below 0.
-fn vignetting(camera: &Camera, [v1, v2]: [f64; 2], pixel: &Pixel) -> f64 {
+pub(crate) fn vignetting(camera: &Camera, [v1, v2]: [f64; 2], pixel: &Pixel) -> f64 {
     let i = camera.intrinsics();
     let half_diagonal2 = 0.25 * (f64::from(i.width_px).powi(2) + f64::from(i.height_px).powi(2));
     let r2 = ((pixel.x - i.cx_px).powi(2) + (pixel.y - i.cy_px).powi(2)) / half_diagonal2;

@@ -2,7 +2,7 @@
 //!
 //! [`Renderer::render`] takes a validated [`Scene`] to a [`Frame`]: linear radiance with every truth channel, per eye.
 //! [`expose`] does so as often as aperture and motion ask for, [`render_sequence`] for many scenes at a time. [`develop`] turns radiance
-//! into the images a sensor would give, [`Truth::of`] writes down what is to be found in them, and [`write_pair`] puts all of it on disk.
+//! into the images a sensor would give; [`Renderer::shoot`] and [`shoot_sequence`] give images alone, sooner. [`Truth::of`] writes down what is to be found in them, and [`write_pair`] puts all of it on disk.
 //!
 //! Every sample is a camera ray; rods are analytic capped cylinders, never tessellated, so that a label and its image agree to
 //! the last hundredth of a pixel. [`CpuRenderer`], `f64`, is the reference for [`GpuRenderer`].
@@ -35,7 +35,7 @@ pub use image_file::{read_image, write_image, write_jpeg};
 pub use lattice::edge_offsets;
 pub use noise::Philox;
 pub use pair::{PairPaths, write_pair};
-pub use sequence::render_sequence;
+pub use sequence::{render_sequence, shoot_sequence};
 pub use srgb::{srgb_decode, srgb_encode};
 pub use truth::{
     BeyondModelTruth, ConeTruth, EyeTruth, GraspTruth, LineTruth, RodTruth, Truth, WaterTruth,
@@ -58,6 +58,19 @@ pub trait Renderer {
     /// # Errors
     /// What the scene asks for and this backend cannot do.
     fn render(&self, scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Result<Frame, RenderError>;
+
+    /// What [`expose`] and [`develop`] give, for whom images are enough. A backend may take a shorter way to them: see
+    /// [`GpuRenderer`].
+    ///
+    /// # Errors
+    /// As [`expose`] and [`develop`].
+    fn shoot(
+        &self,
+        scene: &Scene,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Developed, RenderError> {
+        develop(&expose(self, scene, progress)?, scene)
+    }
 }
 
 /// Why a scene was not rendered or written.

@@ -1,12 +1,12 @@
 //! Random numbers keyed by what they are for, never by the order in which they are drawn: any thread count, any tile order and
 //! any restart give the same image.
 
-mod quantile;
+pub(crate) mod quantile;
 
 /// Philox4x32-10 (Salmon et al., SC 2011): four random words from a 128-bit counter and a 64-bit key.
 #[derive(Clone, Copy, Debug)]
 pub struct Philox {
-    key: [u32; 2],
+    pub(crate) key: [u32; 2],
 }
 
 impl Philox {

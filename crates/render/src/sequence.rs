@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, sync_channel};
 
 use rodsight_scene::Scene;
 
-use crate::{Frame, RenderError, Renderer, expose};
+use crate::{Developed, Frame, RenderError, Renderer, expose};
 
 /// Renders the scenes of a range of numbers, up to `in_flight` of them at a time, and hands each over in the order of the numbers to
 /// `take`, which runs on the calling thread while others are rendered.
@@ -21,17 +21,43 @@ pub fn render_sequence<E: From<RenderError> + Send>(
     numbers: Range<u64>,
     in_flight: NonZeroUsize,
     scene: impl Fn(u64) -> Result<Scene, E> + Sync,
-    mut take: impl FnMut(u64, Scene, Frame) -> Result<(), E>,
+    take: impl FnMut(u64, Scene, Frame) -> Result<(), E>,
+) -> Result<(), E> {
+    let expose = |scene: &Scene| expose(renderer, scene, &|_| ());
+    in_order(numbers, in_flight, scene, expose, take)
+}
+
+/// [`render_sequence`] where images are enough: [`Renderer::shoot`] for each scene.
+///
+/// # Errors
+/// As [`render_sequence`].
+pub fn shoot_sequence<E: From<RenderError> + Send>(
+    renderer: &(dyn Renderer + Sync),
+    numbers: Range<u64>,
+    in_flight: NonZeroUsize,
+    scene: impl Fn(u64) -> Result<Scene, E> + Sync,
+    take: impl FnMut(u64, Scene, Developed) -> Result<(), E>,
+) -> Result<(), E> {
+    let shoot = |scene: &Scene| renderer.shoot(scene, &|_| ());
+    in_order(numbers, in_flight, scene, shoot, take)
+}
+
+fn in_order<T: Send, E: From<RenderError> + Send>(
+    numbers: Range<u64>,
+    in_flight: NonZeroUsize,
+    scene: impl Fn(u64) -> Result<Scene, E> + Sync,
+    render: impl Fn(&Scene) -> Result<T, RenderError> + Sync,
+    mut take: impl FnMut(u64, Scene, T) -> Result<(), E>,
 ) -> Result<(), E> {
     let pair = |number| {
         let scene = scene(number)?;
-        let frame = expose(renderer, &scene, &|_| ())?;
-        Ok((scene, frame))
+        let rendered = render(&scene)?;
+        Ok((scene, rendered))
     };
     let pair = &pair;
     std::thread::scope(|scope| {
         // Each worker renders every n-th pair and waits until it is taken; when this ends early, it sends to nobody and ends too.
-        let workers: Vec<Receiver<Result<(Scene, Frame), E>>> = (0..in_flight.get())
+        let workers: Vec<Receiver<Result<(Scene, T), E>>> = (0..in_flight.get())
             .map(|worker| {
                 let (hand_over, handed_over) = sync_channel(0);
                 let own = numbers.clone().skip(worker).step_by(in_flight.get());
@@ -48,8 +74,8 @@ pub fn render_sequence<E: From<RenderError> + Send>(
         for (number, worker) in numbers.zip(workers.iter().cycle()) {
             // A worker that is gone has panicked, and the scope will say so.
             let Ok(pair) = worker.recv() else { break };
-            let (scene, frame) = pair?;
-            take(number, scene, frame)?;
+            let (scene, rendered) = pair?;
+            take(number, scene, rendered)?;
         }
         Ok(())
     })

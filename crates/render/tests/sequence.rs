@@ -13,7 +13,9 @@ use core::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rodsight_geometry::{Eye, Vec3};
-use rodsight_render::{CpuRenderer, Frame, RenderError, Renderer, render_sequence};
+use rodsight_render::{
+    CpuRenderer, Developed, Frame, RenderError, Renderer, render_sequence, shoot_sequence,
+};
 use rodsight_scene::Scene;
 
 /// A rod that moves with the number.
@@ -70,6 +72,17 @@ fn check(renderer: &(dyn Renderer + Sync)) {
     // Taken up again at the fifth.
     assert!(run(renderer, 4..7, 2) == one_by_one[4..]);
     assert!(run(renderer, 3..3, 2).is_empty());
+    let mut images: Vec<Developed> = Vec::new();
+    let given = |number| Ok::<_, RenderError>(scene(number));
+    let in_flight = NonZeroUsize::new(3).unwrap();
+    shoot_sequence(renderer, 2..7, in_flight, given, |number, _, pair| {
+        assert_eq!(number, 2 + images.len() as u64);
+        images.push(pair);
+        Ok(())
+    })
+    .unwrap();
+    let one_by_one = (2..7).map(|number| renderer.shoot(&scene(number), &|_| ()).unwrap());
+    assert!(images == one_by_one.collect::<Vec<_>>(), "images");
 }
 
 #[test]

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 use rodsight_scene::{Bayer, Demosaic};
 
 /// Demosaiced values are whole numbers of a code's sixteenth: all weights are.
-pub(super) const PARTS: u16 = 16;
+pub(crate) const PARTS: u16 = 16;
 
 /// A weighted neighbour: columns to the right, rows down, weight in sixteenths.
-type Tap = (isize, isize, i32);
+pub(crate) type Tap = (isize, isize, i32);
 
 /// Missing bands as the mean of the nearest samples that have them.
 mod bilinear {
@@ -63,7 +63,7 @@ mod malvar {
 }
 
 /// The band (0 red, 1 green, 2 blue) of a pixel.
-pub(super) fn filter(bayer: Bayer, column: usize, row: usize) -> usize {
+pub(crate) fn filter(bayer: Bayer, column: usize, row: usize) -> usize {
     let [red_column, red_row] = bayer.pattern.red();
     match (column % 2 == red_column, row % 2 == red_row) {
         (true, true) => 0,
@@ -72,14 +72,19 @@ pub(super) fn filter(bayer: Bayer, column: usize, row: usize) -> usize {
     }
 }
 
+/// Green at red or blue, red or blue at green, red at blue or blue at red.
+pub(crate) fn kernels(demosaic: Demosaic) -> [&'static [Tap]; 3] {
+    match demosaic {
+        Demosaic::Bilinear => [bilinear::CROSS, bilinear::ROW, bilinear::DIAGONAL],
+        Demosaic::Malvar => [malvar::CROSS, malvar::ROW, malvar::DIAGONAL],
+    }
+}
+
 /// All three bands of every pixel, in sixteenths of a code; may overshoot the codes. At the borders the image is mirrored in the
 /// outermost pixels, which keeps the pattern.
 pub(super) fn demosaic(bayer: Bayer, codes: &[u16], width: usize) -> Vec<[i32; 3]> {
     let height = codes.len() / width;
-    let (cross, along, diagonal) = match bayer.demosaic {
-        Demosaic::Bilinear => (bilinear::CROSS, bilinear::ROW, bilinear::DIAGONAL),
-        Demosaic::Malvar => (malvar::CROSS, malvar::ROW, malvar::DIAGONAL),
-    };
+    let [cross, along, diagonal] = kernels(bayer.demosaic);
     let rows = (0..height).into_par_iter();
     rows.flat_map_iter(|row| {
         (0..width).map(move |column| {
@@ -107,7 +112,7 @@ pub(super) fn demosaic(bayer: Bayer, codes: &[u16], width: usize) -> Vec<[i32; 3
 }
 
 /// The index `step` away, mirrored in the first and the last.
-fn mirrored(index: usize, step: isize, size: usize) -> usize {
+pub(crate) fn mirrored(index: usize, step: isize, size: usize) -> usize {
     let last = size - 1;
     let there = index
         .checked_add_signed(step)

@@ -19,7 +19,7 @@ enum Purpose {
 
 /// One eye's chip.
 #[derive(Clone, Copy)]
-pub(super) struct Chip<'a> {
+pub(crate) struct Chip<'a> {
     pub(super) emva: &'a Emva,
     pub(super) eye: Eye,
     /// Keyed by the scene's seed.
@@ -29,7 +29,7 @@ pub(super) struct Chip<'a> {
 }
 
 impl<'a> Chip<'a> {
-    pub(super) fn new(emva: &'a Emva, seed: u64, eye: Eye) -> Self {
+    pub(crate) fn new(emva: &'a Emva, seed: u64, eye: Eye) -> Self {
         Self {
             emva,
             eye,
@@ -90,12 +90,12 @@ impl<'a> Chip<'a> {
         [pixel as u32, part as u32, stream, 0]
     }
 
-    fn has_pattern(&self) -> bool {
+    pub(crate) fn has_pattern(&self) -> bool {
         self.emva.prnu > 0.0 || self.emva.dsnu_e > 0.0
     }
 
     /// Electrons of light and dark current (Poisson), clipped at the full well, read noise and offset, then the converter.
-    fn expose(
+    pub(crate) fn expose(
         &self,
         signal: f64,
         [photons, read]: [f64; 2],
@@ -115,11 +115,11 @@ impl<'a> Chip<'a> {
 }
 
 /// The converter's highest code, which stands for the full well.
-pub(super) fn steps(emva: &Emva) -> u16 {
+pub(crate) fn steps(emva: &Emva) -> u16 {
     u16::MAX >> (16 - emva.adc_bits)
 }
 
 /// What darkness reads, fraction of the full well.
-pub(super) fn dark_level(emva: &Emva) -> f64 {
+pub(crate) fn dark_level(emva: &Emva) -> f64 {
     emva.dark_e / emva.full_well_e
 }

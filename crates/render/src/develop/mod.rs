@@ -1,7 +1,7 @@
 //! From radiance to the images a camera would give: exposure, noise, mosaic, white balance, colour matrix, sRGB, quantisation.
 
-mod bayer;
-mod emva;
+pub(crate) mod bayer;
+pub(crate) mod emva;
 mod print;
 
 use rayon::prelude::*;
@@ -45,7 +45,8 @@ impl Developed {
 /// Automatic exposure of a scene without any light.
 pub fn develop(frame: &Frame, scene: &Scene) -> Result<Developed, RenderError> {
     let light = Eye::BOTH.map(|eye| lens::on_sensor(frame.eye(eye), scene, eye));
-    let gain = exposure_gain(&light, scene)?;
+    let samples = light.iter().map(|light| 3 * light.len()).sum();
+    let gain = exposure_gain(scene, samples, |index| Ok(of_rank(&light, scene, index)))?;
     let images = Eye::BOTH.map(|eye| {
         let shot = Shot {
             scene,
@@ -76,23 +77,31 @@ pub fn develop(frame: &Frame, scene: &Scene) -> Result<Developed, RenderError> {
     })
 }
 
-fn exposure_gain(light: &[Vec<[f32; 3]>; 2], scene: &Scene) -> Result<f64, RenderError> {
+/// The exposure of so many samples, in both eyes together, of which `of_rank` knows the one of a rank after white balance.
+pub(crate) fn exposure_gain(
+    scene: &Scene,
+    samples: usize,
+    of_rank: impl FnOnce(usize) -> Result<f32, RenderError>,
+) -> Result<f64, RenderError> {
     let (quantile, level) = match scene.exposure {
         Exposure::Fixed(gain) => return Ok(gain),
         Exposure::Auto { quantile, level } => (quantile, level),
     };
-    let balance = scene.white_balance.map(|gain| gain as f32);
-    let balanced = |light: &[f32; 3]| [0, 1, 2].map(|k| light[k] * balance[k]);
-    let mut values: Vec<f32> = light.iter().flatten().flat_map(balanced).collect();
-    let index = ((values.len() - 1) as f64 * quantile) as usize;
-    let (_, value, _) = values.select_nth_unstable_by(index, f32::total_cmp);
-    if *value > 0.0 {
-        Ok(level / f64::from(*value))
+    let value = of_rank(((samples - 1) as f64 * quantile) as usize)?;
+    if value > 0.0 {
+        Ok(level / f64::from(value))
     } else {
         Err(RenderError::Dark {
             scene: scene.id.clone(),
         })
     }
+}
+
+fn of_rank(light: &[Vec<[f32; 3]>; 2], scene: &Scene, index: usize) -> f32 {
+    let balance = scene.white_balance.map(|gain| gain as f32);
+    let balanced = |light: &[f32; 3]| [0, 1, 2].map(|k| light[k] * balance[k]);
+    let mut values: Vec<f32> = light.iter().flatten().flat_map(balanced).collect();
+    *values.select_nth_unstable_by(index, f32::total_cmp).1
 }
 
 /// One eye's picture on its way through the sensor.

@@ -1,6 +1,7 @@
 //! The adapter that is chosen, the device on it, and what it may fail with.
 
 use core::time::Duration;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 use wgpu::{DeviceType, ErrorFilter};
@@ -31,6 +32,8 @@ pub(super) struct Gpu {
     pub(super) adapter: String,
     /// The first that went wrong outside of any scope: a lost device, most of all.
     lost: Arc<Mutex<Option<String>>>,
+    /// Bytes that came back from it.
+    pub(super) bytes_read: AtomicU64,
 }
 
 /// Whether the system shows a card at all. Asking the drivers instead would load those that compute on the processor too, a second's
@@ -139,6 +142,7 @@ impl Gpu {
             limits,
             adapter: name,
             lost,
+            bytes_read: AtomicU64::new(0),
         })
     }
 
@@ -253,6 +257,7 @@ impl Gpu {
             .get_mapped_range(0..size)
             .map_err(|error| failed(&error))?;
         let value = read(&view);
+        self.bytes_read.fetch_add(size, Ordering::Relaxed);
         drop(view);
         buffer.unmap();
         Ok(value)

@@ -11,6 +11,7 @@ use rodsight_optics::Halo;
 use rodsight_shaders::{BLUR_COLUMNS, BLUR_ROWS, FAR, GATHER, OVERSCAN, Pass, WEIGH};
 use wgpu::BufferUsages;
 
+use super::Wanted;
 use super::device::Gpu;
 use super::layout::{self, Vec4f};
 use super::passes::{PerVariant, Variant, entry, group, module, pipeline, storage};
@@ -99,8 +100,9 @@ pub(super) struct HaloEye {
     casts: std::sync::Arc<[wgpu::ComputePipeline; 2]>,
     /// Along rows and along columns, by level from 1.
     blurs: Vec<[wgpu::BindGroup; 2]>,
-    unspread: wgpu::Buffer,
-    back: wgpu::Buffer,
+    pub(super) unspread: wgpu::Buffer,
+    /// Where the channels are wanted.
+    back: Option<wgpu::Buffer>,
     timer: Option<Timer>,
 }
 
@@ -114,6 +116,7 @@ impl HaloEye {
         variant: Variant,
         halo: &Halo,
         mounted: &MountedCamera,
+        wanted: Wanted,
     ) -> Result<Self, RenderError> {
         let d = &device.device;
         let i = mounted.camera.intrinsics();
@@ -169,11 +172,14 @@ impl HaloEye {
                 shape.blurred_floats(FINE + 1),
             )?,
         ];
-        let back = buffer(
-            "halo: bytes of the image, back",
-            shape.image_floats(),
-            BufferUsages::MAP_READ | BufferUsages::COPY_DST,
-        )?;
+        let is_read = wanted == Wanted::Channels;
+        let back = is_read.then(|| {
+            buffer(
+                "halo: bytes of the image, back",
+                shape.image_floats(),
+                BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+            )
+        });
 
         let mut bytes = encase::UniformBuffer::new(Vec::new());
         let uniform = layout::Halo {
@@ -248,8 +254,8 @@ impl HaloEye {
             }),
             blurs,
             unspread,
-            back,
-            timer: Timer::new(device, vec![HALO]),
+            back: back.transpose()?,
+            timer: is_read.then(|| Timer::new(device, vec![HALO])).flatten(),
             shape,
         })
     }
@@ -280,7 +286,7 @@ impl HaloEye {
         );
     }
 
-    /// Spreads the light of all tiles, and copies it where it can be read.
+    /// Spreads the light of all tiles, and copies it where it can be read if it is to be.
     pub(super) fn encode_spread(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -334,8 +340,10 @@ impl HaloEye {
             pass.dispatch_workgroups(row_floats.div_ceil(ROW), rows, 1);
         }
         drop(pass);
-        let size = 4 * self.shape.image_floats();
-        encoder.copy_buffer_to_buffer(&self.unspread, 0, &self.back, 0, size);
+        if let Some(back) = &self.back {
+            let size = 4 * self.shape.image_floats();
+            encoder.copy_buffer_to_buffer(&self.unspread, 0, back, 0, size);
+        }
         if let Some(timer) = &self.timer {
             timer.encode(encoder);
         }
@@ -358,7 +366,9 @@ impl HaloEye {
         use rayon::prelude::*;
 
         device.wait(submission)?;
-        device.mapped(&self.back, 4 * self.shape.image_floats(), |bytes| {
+        let back = self.back.as_ref();
+        let back = back.expect("only where the channels are wanted");
+        device.mapped(back, 4 * self.shape.image_floats(), |bytes| {
             let (words, _) = bytes.as_chunks::<4>();
             let pairs = frame.pixels.par_iter_mut().zip(words.par_chunks(3));
             pairs.for_each(|(pixel, forward)| {

@@ -1,12 +1,14 @@
 //! Structures shared with WGSL: same names, same fields, same order. A test compares them with the shaders.
 
 mod content;
+mod shoot;
 
 use encase::ShaderType;
 use rodsight_geometry::Vec3;
 use rodsight_optics::Bands;
 
 pub(super) use content::{Arc, Body, Finish, Lump, Paint, SeabedRipples, Triangle, Vertex};
+pub(super) use shoot::{Chip, Emva, Film, Meter};
 
 /// `vec3<f32>`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,6 +25,10 @@ pub(super) struct Vec4f([f32; 4]);
 /// `vec2<i32>`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Vec2i([i32; 2]);
+
+/// `vec4<i32>`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Vec4i([i32; 4]);
 
 macro_rules! vector {
     ($name:ident, $n:literal, $kind:ty) => {
@@ -53,6 +59,7 @@ vector!(Vec2f, 2, f32);
 vector!(Vec3f, 3, f32);
 vector!(Vec4f, 4, f32);
 vector!(Vec2i, 2, i32);
+vector!(Vec4i, 4, i32);
 
 #[cfg(test)]
 impl From<Vec2i> for [i32; 2] {

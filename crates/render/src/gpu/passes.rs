@@ -7,6 +7,7 @@ use rodsight_shaders::{BACKSCATTER, CENTRE, MARK, Pass, REFINE};
 use super::SceneBuffers;
 use super::device::Gpu;
 use super::halo::HaloPasses;
+use super::shoot::ShootPasses;
 use super::snow::SnowPasses;
 use super::tile::{Tile, TileBuffers};
 use crate::RenderError;
@@ -100,6 +101,7 @@ pub(super) struct Passes {
     pipelines: PerVariant<[wgpu::ComputePipeline; STAGES.len()]>,
     halo: OnceLock<HaloPasses>,
     snow: OnceLock<SnowPasses>,
+    shoot: OnceLock<ShootPasses>,
 }
 
 impl Passes {
@@ -115,6 +117,7 @@ impl Passes {
                 pipelines: PerVariant::default(),
                 halo: OnceLock::new(),
                 snow: OnceLock::new(),
+                shoot: OnceLock::new(),
             })
         })
     }
@@ -129,6 +132,12 @@ impl Passes {
     pub(super) fn snow(&self, device: &Gpu, variant: Variant) -> Arc<[wgpu::ComputePipeline; 2]> {
         let passes = self.snow.get_or_init(|| SnowPasses::new(device));
         passes.of(device, variant, [&self.scene, &self.tile])
+    }
+
+    /// The passes from light to images, compiled when they are first asked for.
+    pub(super) fn shoot(&self, device: &Gpu) -> &ShootPasses {
+        self.shoot
+            .get_or_init(|| ShootPasses::new(&device.device, &self.tile))
     }
 
     /// The pipelines of a variant.

@@ -38,7 +38,7 @@ fn renderer() -> Option<GpuRenderer> {
 }
 
 /// That the device is lost, as a message that names it.
-fn is_lost(result: Result<Frame, RenderError>, adapter: &str) {
+fn is_lost<T>(result: Result<T, RenderError>, adapter: &str) {
     let Err(error) = result else {
         panic!("an image from a lost device");
     };
@@ -58,6 +58,7 @@ fn lost_device_is_an_error_each_time() {
     renderer.device.device.destroy();
     for _ in 0..2 {
         is_lost(renderer.render(&scene, &|_| ()), &renderer.adapter());
+        is_lost(renderer.shoot(&scene, &|_| ()), &renderer.adapter());
     }
 }
 
@@ -70,16 +71,23 @@ fn device_lost_at_work_is_an_error() {
         (Mode::Full, 0.0),
         (Mode::Full, 0.9),
     ] {
-        let Some(renderer) = renderer() else { return };
-        let renderer = renderer.with_tile_pixels(400);
         let mut scene = scene();
         scene.mode = mode;
-        let lose = |done: f64| {
-            if done >= after {
-                renderer.device.device.destroy();
+        for is_shot in [false, true] {
+            let Some(renderer) = renderer() else { return };
+            let renderer = renderer.with_tile_pixels(400);
+            let lose = |done: f64| {
+                if done >= after {
+                    renderer.device.device.destroy();
+                }
+            };
+            let adapter = renderer.adapter();
+            if is_shot {
+                is_lost(renderer.shoot(&scene, &lose), &adapter);
+            } else {
+                is_lost(renderer.render(&scene, &lose), &adapter);
             }
-        };
-        is_lost(renderer.render(&scene, &lose), &renderer.adapter());
+        }
     }
 }
 

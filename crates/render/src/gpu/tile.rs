@@ -5,6 +5,7 @@ use core::ops::Range;
 use encase::ShaderSize;
 use wgpu::BufferUsages;
 
+use super::Wanted;
 use super::device::Gpu;
 use super::layout;
 use super::passes::{Passes, STAGES};
@@ -99,7 +100,8 @@ pub(super) struct TileBuffers {
     surface: wgpu::Buffer,
     has_snow: bool,
     pub(super) indirect: wgpu::Buffer,
-    back: wgpu::Buffer,
+    /// Where the channels are wanted.
+    back: Option<wgpu::Buffer>,
     pub(super) group: wgpu::BindGroup,
     pub(super) written: wgpu::BindGroup,
     pub(super) read: wgpu::BindGroup,
@@ -107,13 +109,14 @@ pub(super) struct TileBuffers {
 }
 
 impl TileBuffers {
-    /// Buffers for tiles up to a size, whose light is to be spread or not, behind some snow or none.
+    /// Buffers for tiles up to a size, whose light is to be spread or not, behind some snow or none; to be read or not.
     pub(super) fn new(
         device: &Gpu,
         passes: &Passes,
         largest: u64,
         is_spread: bool,
         snow: Option<&Snow>,
+        wanted: Wanted,
     ) -> Self {
         let d = &device.device;
         let buffer = |label, size, usage| {
@@ -149,11 +152,14 @@ impl TileBuffers {
             layout::Indirect::SHADER_SIZE.get(),
             BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_DST,
         );
-        let back = buffer(
-            "back",
-            4 * (LIGHT_PLANES + SURFACE_PLANES + SNOW_PLANES) * largest,
-            BufferUsages::MAP_READ | BufferUsages::COPY_DST,
-        );
+        let is_read = wanted == Wanted::Channels;
+        let back = is_read.then(|| {
+            buffer(
+                "back",
+                4 * (LIGHT_PLANES + SURFACE_PLANES + SNOW_PLANES) * largest,
+                BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+            )
+        });
         let none = snow::NONE.map(|bytes| buffer("no snow", bytes, BufferUsages::STORAGE));
         let [flakes, first, pairs] = match snow {
             Some(snow) => [&snow.flakes, &snow.first, &snow.pairs],
@@ -175,7 +181,7 @@ impl TileBuffers {
             surface,
             indirect,
             back,
-            timer: Timer::new(device, stages),
+            timer: is_read.then(|| Timer::new(device, stages)).flatten(),
             has_snow: snow.is_some(),
         }
     }
@@ -208,18 +214,24 @@ impl TileBuffers {
             .write_buffer(&self.indirect, 0, &bytes.into_inner());
     }
 
+    fn back(&self) -> &wgpu::Buffer {
+        let back = self.back.as_ref();
+        back.expect("only where the channels are wanted")
+    }
+
     /// Copies the planes, and the times of the passes, where they can be read.
     pub(super) fn encode_copy(&self, encoder: &mut wgpu::CommandEncoder, tile: &Tile) {
+        let back = self.back();
         let (light, surface) = (
             4 * LIGHT_PLANES * tile.pixels(),
             4 * SURFACE_PLANES * tile.pixels(),
         );
-        encoder.copy_buffer_to_buffer(&self.light, 0, &self.back, 0, light);
-        encoder.copy_buffer_to_buffer(&self.surface, 0, &self.back, light, surface);
+        encoder.copy_buffer_to_buffer(&self.light, 0, back, 0, light);
+        encoder.copy_buffer_to_buffer(&self.surface, 0, back, light, surface);
         if self.has_snow {
             let from = 4 * (LIGHT_PLANES + SOURCE_PLANES) * tile.pixels();
             let size = 4 * SNOW_PLANES * tile.pixels();
-            encoder.copy_buffer_to_buffer(&self.light, from, &self.back, light + surface, size);
+            encoder.copy_buffer_to_buffer(&self.light, from, back, light + surface, size);
         }
         if let Some(timer) = &self.timer {
             timer.encode(encoder);
@@ -238,7 +250,7 @@ impl TileBuffers {
         device.wait(submission)?;
         let snow = if self.has_snow { SNOW_PLANES } else { 0 };
         let size = 4 * (LIGHT_PLANES + SURFACE_PLANES + snow) * tile.pixels();
-        device.mapped(&self.back, size, |bytes| unpack(bytes, tile, rows))?;
+        device.mapped(self.back(), size, |bytes| unpack(bytes, tile, rows))?;
         self.timer
             .as_ref()
             .map_or(Ok(()), |timer| timer.add(device, times))

@@ -157,14 +157,19 @@ where
     bytes.into_inner()
 }
 
-/// Everything of the variant but the tables.
-fn variant(world: &World<'_>, eye: Eye) -> Variant {
-    let scene = world.scene;
-    let lens = |eye| match scene.rig.eye(eye).camera.distortion() {
+/// Which formula a lens has; see `camera.wgsl`.
+pub(super) fn lens(mounted: &MountedCamera) -> u32 {
+    match mounted.camera.distortion() {
         Distortion::None => 0,
         Distortion::BrownConrady(_) => 1,
         Distortion::KannalaBrandt(_) => 2,
-    };
+    }
+}
+
+/// Everything of the variant but the tables.
+fn variant(world: &World<'_>, eye: Eye) -> Variant {
+    let scene = world.scene;
+    let lens = |eye| lens(scene.rig.eye(eye));
     let glass = |eye| match scene.rig.eye(eye).port.map(|port| *port.shape()) {
         None => 0,
         Some(PortShape::Flat(_)) => 1,
@@ -254,7 +259,7 @@ fn soft_lobes(world: &World<'_>) -> [Vec4f; 7] {
     core::array::from_fn(pair)
 }
 
-fn camera(mounted: &MountedCamera, from_m: &Vec3) -> layout::Camera {
+pub(super) fn camera(mounted: &MountedCamera, from_m: &Vec3) -> layout::Camera {
     let i = mounted.camera.intrinsics();
     let pose = &mounted.rig_from_camera;
     let (k, p) = match *mounted.camera.distortion() {

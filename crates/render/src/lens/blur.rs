@@ -44,7 +44,7 @@ fn blurred(
 
 /// Weights at 0, 1, 2, … px: the discrete Gaussian e^(−t) Iₙ(t), t = σ² (Lindeberg 1990). Its variance is σ² at any σ, where a
 /// sampled Gaussian of less than half a pixel has none. By Miller's backward recurrence Iₙ₋₁ = Iₙ₊₁ + 2n/t Iₙ.
-fn kernel(sigma_px: f64) -> Vec<f64> {
+pub(crate) fn kernel(sigma_px: f64) -> Vec<f64> {
     if sigma_px == 0.0 {
         return vec![1.0];
     }

@@ -10,7 +10,7 @@ const CELLS: usize = 512;
 const TAIL: usize = 4;
 
 /// Cubics over the cells: coefficients of 1, s, s², s³ for s in [0, 1).
-static CUBICS: LazyLock<Vec<[f64; 4]>> = LazyLock::new(|| {
+pub(crate) static CUBICS: LazyLock<Vec<[f64; 4]>> = LazyLock::new(|| {
     let h = 1.0 / CELLS as f64;
     let node = |i: usize| {
         let x = quantile(i as f64 * h);

@@ -7,6 +7,7 @@ mod finish;
 mod halo;
 mod light;
 mod port;
+mod sensor;
 mod snow;
 mod solid;
 
@@ -24,6 +25,7 @@ pub(super) fn all() -> Vec<Row> {
     rows.extend(daylight::rows());
     rows.extend(finish::rows());
     rows.extend(content::rows());
+    rows.extend(sensor::rows());
     rows
 }
 

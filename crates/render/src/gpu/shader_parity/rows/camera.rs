@@ -6,6 +6,7 @@ use rodsight_scene::EdgeSampling;
 use super::{grid, random, steps, vec3, yes};
 use crate::gpu::shader_parity::Row;
 use crate::lattice::{pcg, pixel_shift};
+use crate::lens::vignetting;
 
 fn maths() -> Vec<Row> {
     let half_turn = core::f32::consts::PI;
@@ -235,6 +236,23 @@ fn lenses() -> Vec<Row> {
             relative: 4e-7,
             absolute: 6e-5,
             bounded_by: "pixels counted from the corner, far from which digits are lost",
+        },
+        Row {
+            name: "lens_vignetting",
+            body: with_camera!(
+                "y(0u, lens_vignetting(u32(x(11u)), camera, vec2<f32>(-0.5, 0.125), vec2<f32>(x(14u), x(15u))));"
+            ),
+            inputs: seen_by(
+                &[0, 1, 2],
+                &grid(&[&steps(0.0, 239.0, 49), &steps(0.0, 135.0, 35)]),
+            ),
+            twin: Box::new(|x| {
+                let pixel = Pixel::new(x[LENS] + 0.5, x[LENS + 1] + 0.5);
+                vec![vignetting(&lens(x[11] as usize), [-0.5, 0.125], &pixel)]
+            }),
+            relative: 2e-6,
+            absolute: 0.0,
+            bounded_by: "four times a cosine to 3e-7",
         },
     ]
 }
