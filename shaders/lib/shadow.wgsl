@@ -44,9 +44,9 @@ fn shadow_see(span: ShadowSpan, section: ShadowSection, point_m: vec3<f32>) -> S
 }
 
 /// The part of the ray that looks at the lamp across the piece, by distances from the ray's point nearest to the lamp; empty
-/// (x > y) if there is none.
-fn shadow_span(caster: Caster, section: ShadowSection) -> vec2<f32> {
-    let none = vec2<f32>(1.0, -1.0);
+/// (x > y) if none of it can be in the piece's shadow. z: 1 if it is for sure, 0 if a probe must tell.
+fn shadow_span(caster: Caster, section: ShadowSection) -> vec3<f32> {
+    let none = vec3<f32>(1.0, -1.0, 0.0);
     if abs(dot(section.normal, caster.solid.centre_m)) > caster.bounding_radius_m {
         return none;
     }
@@ -79,10 +79,13 @@ fn shadow_span(caster: Caster, section: ShadowSection) -> vec2<f32> {
             }
         }
     }
-    if span.empty || (span.first.x <= 0.0 && span.last.x <= 0.0) {
+    let nearer = min(span.first.x, span.last.x);
+    let farther = max(span.first.x, span.last.x);
+    if span.empty || farther <= 0.0 || nearer >= section.distance_m {
         return none;
     }
-    var stretch = vec2<f32>(-SOLID_NONE_M, SOLID_NONE_M);
+    let is_behind = select(0.0, 1.0, farther <= section.distance_m);
+    var stretch = vec3<f32>(-SOLID_NONE_M, SOLID_NONE_M, is_behind);
     if span.first.x > 0.0 {
         stretch.x = section.distance_m * span.first.y / span.first.x;
     }

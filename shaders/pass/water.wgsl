@@ -64,7 +64,8 @@ fn water_next_dark(lamp: u32, ray: EyeRay, distance_m: f32, after_m: f32) -> vec
         }
         let to_middle = direction * (0.5 * (dark.x + dark.y)) - lamp_m;
         let middle = length(to_middle);
-        if solid_hit(casters[i].solid, vec3<f32>(0.0), to_middle / middle).t_m < middle * (1.0 - GAP) {
+        let probe = span.z == 0.0;
+        if !probe || solid_hit(casters[i].solid, vec3<f32>(0.0), to_middle / middle).t_m < middle * (1.0 - GAP) {
             next = dark;
         }
     }

@@ -46,18 +46,32 @@ impl Section {
         (self.across.dot(point_m), self.along.dot(point_m))
     }
 
-    /// The part of the ray between two directions less than half a turn apart, by distances from the ray's point nearest to the
-    /// lamp; `None` if both look away from it.
-    fn between(&self, first: Direction, last: Direction) -> Option<(f64, f64)> {
-        let meets = |(x, y): Direction| (x > 0.0).then(|| self.distance_m * y / x);
+    /// The part of the ray between the first and the last place of a convex figure in the plane, as the lamp sees them less than half a
+    /// turn apart; `None` if the ray cannot be in its shadow.
+    fn between(&self, first: Direction, last: Direction) -> Option<Span> {
+        let h = self.distance_m;
+        // The chord between both places lies in the figure. A ray on its near side is lit; the rest of the figure is as far or in its way.
+        if first.0 >= h && last.0 >= h {
+            return None;
+        }
+        let meets = |(x, y): Direction| (x > 0.0).then(|| h * y / x);
         match (meets(first), meets(last)) {
             (None, None) => None,
-            (from, to) => Some((
-                from.unwrap_or(f64::NEG_INFINITY),
-                to.unwrap_or(f64::INFINITY),
-            )),
+            (from, to) => Some(Span {
+                from_m: from.unwrap_or(f64::NEG_INFINITY),
+                to_m: to.unwrap_or(f64::INFINITY),
+                is_behind: first.0 <= h && last.0 <= h,
+            }),
         }
     }
+}
+
+/// The part of a ray that looks at its lamp across a piece, by distances from the ray's point nearest to the lamp.
+pub(crate) struct Span {
+    pub(crate) from_m: f64,
+    pub(crate) to_m: f64,
+    /// The piece is between them for sure; else a probe tells.
+    pub(crate) is_behind: bool,
 }
 
 impl Shadows {
@@ -105,12 +119,14 @@ impl Shadows {
             distance_m: distance_to_ray_m,
         };
         for caster in &self.casters {
-            let Some((first, last)) = caster.span(&section) else {
+            let Some(span) = caster.span(&section) else {
                 continue;
             };
-            let from = (nearest_t_m + first).max(0.0);
-            let to = (nearest_t_m + last).min(distance_m);
-            if to - from > MIN_STRETCH_M && self.is_dark(caster, &ray.at(0.5 * (from + to))) {
+            let from = (nearest_t_m + span.from_m).max(0.0);
+            let to = (nearest_t_m + span.to_m).min(distance_m);
+            if to - from > MIN_STRETCH_M
+                && (span.is_behind || self.is_dark(caster, &ray.at(0.5 * (from + to))))
+            {
                 dark.push((from, to));
             }
         }
@@ -130,15 +146,15 @@ impl Shadows {
 }
 
 impl Caster {
-    /// The part of the ray that looks at the lamp across the piece, by distances from the ray's point nearest to the lamp; `None`
-    /// if there is none.
+    /// The part of the ray that looks at the lamp across the piece; `None` if none of it can be in the piece's shadow.
     ///
     /// The plane of lamp and ray cuts the piece in a convex figure, an ellipse without what lies beyond the caps. The angles under
     /// which the lamp sees it end where the lamp's tangents touch the ellipse or at its corners, where the rims of the caps cross
     /// the plane. A ray that does not enter the piece is wholly behind or wholly before it between these angles, so that one probe
-    /// tells whether it is dark there.
-    pub(crate) fn span(&self, section: &Section) -> Option<(f64, f64)> {
-        if section.normal.dot(&self.centre_m).abs() > self.bounding_radius_m {
+    /// tells whether it is dark there, where the angles' ends do not.
+    pub(crate) fn span(&self, section: &Section) -> Option<Span> {
+        let off = section.normal.dot(&self.centre_m);
+        if off.abs() > self.bounding_radius_m {
             return None;
         }
         let d = self.piece.cylinder.axis.direction;
@@ -155,26 +171,23 @@ impl Caster {
             ));
         };
         for line_m in self.touching_m.iter().flatten() {
-            let along = -section.normal.dot(line_m) / tilt;
-            // Not so for NaN: the plane holds the line, and the corners tell all.
-            if along.abs() <= half {
-                see(&(line_m + d * along));
+            let off = -section.normal.dot(line_m);
+            // A plane that holds the line is told by the corners.
+            if off.abs() <= half * tilt.abs() && tilt != 0.0 {
+                see(&(line_m + d * (off / tilt)));
             }
         }
         // Across the axis the plane is the line of points m with normal·m = −distance.
         let flat = section.normal - d * tilt;
         let flat2 = flat.norm_squared();
-        if flat2 > 1e-20 {
-            let sideways = d.cross(&section.normal) / flat2.sqrt();
-            for cap_m in [self.centre_m - d * half, self.centre_m + d * half] {
-                let distance = section.normal.dot(&cap_m);
-                let chord2 = radius * radius - distance * distance / flat2;
-                if chord2 >= 0.0 {
-                    let middle = cap_m - flat * (distance / flat2);
-                    let chord = sideways * chord2.sqrt();
-                    see(&(middle - chord));
-                    see(&(middle + chord));
-                }
+        for end in [-half, half] {
+            let distance = off + tilt * end;
+            let chord2 = radius * radius * flat2 - distance * distance;
+            if chord2 >= 0.0 && flat2 > 1e-20 {
+                let middle = self.centre_m + d * end - flat * (distance / flat2);
+                let chord = d.cross(&section.normal) * (chord2.sqrt() / flat2);
+                see(&(middle - chord));
+                see(&(middle + chord));
             }
         }
         let (first, last) = span?;

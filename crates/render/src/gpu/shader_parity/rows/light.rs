@@ -315,7 +315,10 @@ fn shadows_of_pieces() -> Vec<Vec<f32>> {
         let same = |a: f64, b: f64| a == b || (a - b).abs() < 0.05 * a.abs().max(1.0);
         let is_clear = match (caster.span(&section), caster.span(&tilted)) {
             (Some(a), Some(b)) => {
-                same(a.0, b.0) && same(a.1, b.1) && a.0.abs().min(a.1.abs()) < 50.0
+                same(a.from_m, b.from_m)
+                    && same(a.to_m, b.to_m)
+                    && a.is_behind == b.is_behind
+                    && a.from_m.abs().min(a.to_m.abs()) < 50.0
             }
             (None, None) => true,
             _ => false,
@@ -349,14 +352,17 @@ fn shadows() -> Vec<Row> {
             name: "shadow_span",
             body: "let section = ShadowSection(cross(v(16u), v(19u)), x(22u), v(16u), v(19u));
                 let caster = Caster(Solid(v(0u), x(3u), v(4u), x(7u)), v(8u), x(14u), v(11u), u32(x(15u)), 2u);
-                let s = shadow_span(caster, section); y(0u, s.x); y(1u, s.y);",
+                let s = shadow_span(caster, section); y(0u, s.x); y(1u, s.y); y(2u, s.z);",
             inputs: shadows_of_pieces(),
             twin: Box::new(|x| {
                 let (caster, section) = shadow_of(x);
                 let far = f64::from(3e38_f32);
                 caster
                     .span(&section)
-                    .map_or(vec![1.0, -1.0], |(from, to)| vec![from.max(-far), to.min(far)])
+                    .map_or(vec![1.0, -1.0, 0.0], |span| {
+                        let is_behind = f64::from(u8::from(span.is_behind));
+                        vec![span.from_m.max(-far), span.to_m.min(far), is_behind]
+                    })
             }),
             relative: 1e-4,
             absolute: 3e-5,
