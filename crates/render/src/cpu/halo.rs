@@ -171,6 +171,10 @@ impl<F: Fn(&Pixel) -> Scattered + Sync> Sources<'_, F> {
                     .map(|level| Cells::new(level, [self.width, mixed.len()], 0))
                     .collect();
                 let stride = unspread.len() / mixed.len();
+                // Fresh memory that is read before it is written costs two page faults, and the second interrupts every core.
+                for plane in [&mut *unspread, one, two] {
+                    plane.fill(0.0);
+                }
                 for (row, (pixels, mixed)) in pixels.chunks(self.width).zip(mixed).enumerate() {
                     let at = row * stride;
                     let mut fine = [&mut *unspread, one, two].map(|p| &mut p[at..at + stride]);
