@@ -1,11 +1,13 @@
 // The shadows that rods cast into the water: see cpu/shadow.rs.
 
+/// Sine of the angle between plane and axis from which on a section is short.
+const SHADOW_STEEP: f32 = 0.2;
+
 /// A straight piece of a rod as a lamp sees it; vectors are from the lamp.
 struct Caster {
     solid: Solid,
     /// A point of each line along which a plane through the lamp touches the side.
     touching_plus_m: vec3<f32>,
-    bounding_radius_m: f32,
     touching_minus_m: vec3<f32>,
     /// 0 if the lamp looks at a cap only.
     touches: u32,
@@ -20,6 +22,9 @@ struct ShadowSection {
     /// Unit, from the lamp to the ray's nearest point.
     across: vec3<f32>,
     along: vec3<f32>,
+    /// Unit directions (across, along) to where the ray begins and ends.
+    begin: vec2<f32>,
+    end: vec2<f32>,
 }
 
 /// The angles, as directions (across, along), under which a lamp sees something: the first and the last.
@@ -43,16 +48,32 @@ fn shadow_see(span: ShadowSpan, section: ShadowSection, point_m: vec3<f32>) -> S
     );
 }
 
+/// Whether a disc in the plane lies beyond the ray or outside the angle under which the lamp sees it.
+fn shadow_misses(section: ShadowSection, centre_m: vec3<f32>, radius_m: f32) -> bool {
+    let x = dot(section.across, centre_m);
+    let y = dot(section.along, centre_m);
+    return x - radius_m > section.distance_m
+        || section.begin.x * y - section.begin.y * x < -radius_m
+        || section.end.y * x - section.end.x * y < -radius_m;
+}
+
 /// The part of the ray that looks at the lamp across the piece, by distances from the ray's point nearest to the lamp; empty
 /// (x > y) if none of it can be in the piece's shadow. z: 1 if it is for sure, 0 if a probe must tell.
 fn shadow_span(caster: Caster, section: ShadowSection) -> vec3<f32> {
     let none = vec3<f32>(1.0, -1.0, 0.0);
-    if abs(dot(section.normal, caster.solid.centre_m)) > caster.bounding_radius_m {
-        return none;
-    }
     let d = caster.solid.direction;
     let half = caster.solid.half_length_m;
+    let radius = caster.solid.radius_m;
+    let crossing = dot(section.normal, caster.solid.centre_m);
     let tilt = dot(section.normal, d);
+    // Of many rods most are out of it: the plane misses the piece, or the ray the disc that holds the section of a steep one.
+    if abs(crossing) > half * abs(tilt) + radius {
+        return none;
+    }
+    if abs(tilt) > SHADOW_STEEP
+        && shadow_misses(section, caster.solid.centre_m - d * (crossing / tilt), radius / abs(tilt)) {
+        return none;
+    }
     var span = ShadowSpan(vec2<f32>(0.0), vec2<f32>(0.0), true);
     if caster.touches != 0u {
         for (var side = 0; side < 2; side++) {

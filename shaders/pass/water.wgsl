@@ -55,7 +55,9 @@ fn water_next_dark(lamp: u32, ray: EyeRay, distance_m: f32, after_m: f32) -> vec
         return next;
     }
     let across = foot / to_ray;
-    let section = ShadowSection(cross(across, direction), to_ray, across, direction);
+    let begin = normalize(vec2<f32>(to_ray, after_m - nearest_t));
+    let end = normalize(vec2<f32>(to_ray, distance_m - nearest_t));
+    let section = ShadowSection(cross(across, direction), to_ray, across, direction, begin, end);
     for (var i = lamp * frame.casters; i < (lamp + 1u) * frame.casters; i++) {
         let span = shadow_span(casters[i], section);
         let dark = vec2<f32>(max(nearest_t + span.x, 0.0), min(nearest_t + span.y, distance_m));

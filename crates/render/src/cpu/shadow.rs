@@ -6,6 +6,8 @@ use super::solid::{Capped, Ray};
 
 /// Stretches shorter than this send no light worth a sum, m.
 pub(super) const MIN_STRETCH_M: f64 = 1e-9;
+/// Sine of the angle between plane and axis from which on a section is short.
+const STEEP: f64 = 0.2;
 /// Shadow rays end this much short of the point they ask about, relative.
 const GAP: f64 = 1e-6;
 
@@ -23,7 +25,6 @@ pub(crate) struct Caster {
     /// The rod it is of.
     pub(crate) rod: usize,
     centre_m: Vec3,
-    pub(crate) bounding_radius_m: f64,
     /// The lines along which the two planes through the lamp touch the side, by their point beside the piece's centre; none if
     /// the lamp looks at a cap only.
     pub(crate) touching_m: Option<[Vec3; 2]>,
@@ -36,14 +37,25 @@ pub(crate) struct Section {
     pub(crate) across: Vec3,
     pub(crate) along: Vec3,
     pub(crate) distance_m: f64,
+    /// Unit, to where the ray begins and ends.
+    pub(crate) ends: [Direction; 2],
 }
 
 /// A direction in the plane of lamp and ray as the lamp sees it: (across, along).
-type Direction = (f64, f64);
+pub(crate) type Direction = (f64, f64);
 
 impl Section {
     fn direction(&self, point_m: &Vec3) -> Direction {
         (self.across.dot(point_m), self.along.dot(point_m))
+    }
+
+    /// Whether a disc in the plane lies beyond the ray or outside the angle under which the lamp sees it.
+    fn misses(&self, centre_m: &Vec3, radius_m: f64) -> bool {
+        let (x, y) = self.direction(centre_m);
+        let [from, to] = self.ends;
+        x - radius_m > self.distance_m
+            || from.0 * y - from.1 * x < -radius_m
+            || to.1 * x - to.0 * y < -radius_m
     }
 
     /// The part of the ray between the first and the last place of a convex figure in the plane, as the lamp sees them less than half a
@@ -90,7 +102,6 @@ impl Shadows {
                 piece,
                 rod,
                 centre_m,
-                bounding_radius_m: libm::hypot(piece.half_length_m, radius_m),
                 touching_m,
             }
         });
@@ -117,6 +128,10 @@ impl Shadows {
             across,
             along: ray.direction,
             distance_m: distance_to_ray_m,
+            ends: [-nearest_t_m, distance_m - nearest_t_m].map(|along_m| {
+                let far_m = (distance_to_ray_m * distance_to_ray_m + along_m * along_m).sqrt();
+                (distance_to_ray_m / far_m, along_m / far_m)
+            }),
         };
         for caster in &self.casters {
             let Some(span) = caster.span(&section) else {
@@ -153,13 +168,16 @@ impl Caster {
     /// the plane. A ray that does not enter the piece is wholly behind or wholly before it between these angles, so that one probe
     /// tells whether it is dark there, where the angles' ends do not.
     pub(crate) fn span(&self, section: &Section) -> Option<Span> {
-        let off = section.normal.dot(&self.centre_m);
-        if off.abs() > self.bounding_radius_m {
-            return None;
-        }
         let d = self.piece.cylinder.axis.direction;
         let (half, radius) = (self.piece.half_length_m, self.piece.cylinder.radius_m);
-        let tilt = section.normal.dot(&d);
+        let (off, tilt) = (section.normal.dot(&self.centre_m), section.normal.dot(&d));
+        // Of many rods most are out of it: the plane misses the piece, or the ray the disc that holds the section of a steep one.
+        if off.abs() > half * tilt.abs() + radius
+            || (tilt.abs() > STEEP
+                && section.misses(&(self.centre_m - d * (off / tilt)), radius / tilt.abs()))
+        {
+            return None;
+        }
         let mut span: Option<(Direction, Direction)> = None;
         let mut see = |point_m: &Vec3| {
             let seen = section.direction(point_m);

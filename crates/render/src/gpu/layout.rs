@@ -195,7 +195,6 @@ pub(super) struct Lamp {
 pub(super) struct Caster {
     pub(super) solid: Solid,
     pub(super) touching_plus_m: Vec3f,
-    pub(super) bounding_radius_m: f32,
     pub(super) touching_minus_m: Vec3f,
     pub(super) touches: u32,
     pub(super) instance: u32,
@@ -452,7 +451,6 @@ pub(super) mod tests {
             Caster {
                 solid,
                 touching_plus_m,
-                bounding_radius_m,
                 touching_minus_m,
                 touches,
                 instance

@@ -62,7 +62,6 @@ impl Upload {
                 layout::Caster {
                     solid: solid(&caster.piece, &light.lamp.position_m),
                     touching_plus_m: plus.into(),
-                    bounding_radius_m: caster.bounding_radius_m as f32,
                     touching_minus_m: minus.into(),
                     touches: caster.touching_m.is_some().into(),
                     instance: caster.rod as u32 + 2,

@@ -9,7 +9,7 @@ use crate::cpu::airlight_grid::Hermite;
 use crate::cpu::light::{LampLight, cone};
 use crate::cpu::penumbra::Rectangle;
 use crate::cpu::seabed;
-use crate::cpu::shadow::{Caster, Section, Shadows};
+use crate::cpu::shadow::{Caster, Direction, Section, Shadows};
 use crate::cpu::solid::Capped;
 use crate::gpu::shader_parity::Row;
 
@@ -262,6 +262,9 @@ fn tables() -> Vec<Row> {
     ]
 }
 
+/// Most of the ray.
+const SEEN: [Direction; 2] = [(0.28, -0.96), (0.28, 0.96)];
+
 /// The caster and the section of a row, as the twin has them.
 fn shadow_of(x: &[f64]) -> (Caster, Section) {
     let piece = Capped::new(vec3(x, 0), vec3(x, 4), x[3], x[7]);
@@ -271,6 +274,7 @@ fn shadow_of(x: &[f64]) -> (Caster, Section) {
         across: vec3(x, 16),
         along: vec3(x, 19),
         distance_m: x[22],
+        ends: SEEN,
     };
     (shadows.casters.remove(0), section)
 }
@@ -305,7 +309,6 @@ fn shadows_of_pieces() -> Vec<Vec<f32>> {
         for (k, value) in plus.iter().chain(&minus).enumerate() {
             row[8 + k] = *value as f32;
         }
-        row[14] = caster.bounding_radius_m as f32;
         row[15] = f32::from(u8::from(caster.touching_m.is_some()));
         // The same stretch, nearly, from a section tilted by a hair.
         let tilted = Section {
@@ -334,7 +337,7 @@ fn shadows() -> Vec<Row> {
     vec![
         Row {
             name: "shadow_see",
-            body: "let section = ShadowSection(vec3<f32>(0.0), 1.0, vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0));
+            body: "let section = ShadowSection(vec3<f32>(0.0), 1.0, vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0), vec2<f32>(0.0), vec2<f32>(0.0));
                 let span = ShadowSpan(vec2<f32>(1.0, -0.5), vec2<f32>(1.0, 0.5), false);
                 let s = shadow_see(span, section, v(0u)); y(0u, s.first.x); y(1u, s.first.y); y(2u, s.last.x); y(3u, s.last.y);",
             inputs: grid(&[&[0.7, 1.3], &[-2.0, -0.3, 0.1, 0.4, 3.0], &[0.0, 1.0]]),
@@ -349,9 +352,22 @@ fn shadows() -> Vec<Row> {
             bounded_by: "nothing is computed",
         },
         Row {
+            name: "shadow_misses",
+            body: "let section = ShadowSection(vec3<f32>(0.0), 1.0, vec3<f32>(1.0, 0.0, 0.0), vec3<f32>(0.0, 1.0, 0.0), vec2<f32>(0.28, -0.96), vec2<f32>(0.28, 0.96));
+                y(0u, f32(shadow_misses(section, v(0u), x(3u))));",
+            inputs: grid(&[&[-0.4, 0.13, 0.7, 1.3], &[-2.0, -0.3, 0.1, 1.4], &[0.0], &[0.05, 0.25, 0.71]]),
+            twin: Box::new(|x| {
+                let beside = 0.28 * x[1].abs() - 0.96 * x[0];
+                vec![f64::from(u8::from(beside > x[3] || x[0] - x[3] > 1.0))]
+            }),
+            relative: 0.0,
+            absolute: 1e-9,
+            bounded_by: "yes or no",
+        },
+        Row {
             name: "shadow_span",
-            body: "let section = ShadowSection(cross(v(16u), v(19u)), x(22u), v(16u), v(19u));
-                let caster = Caster(Solid(v(0u), x(3u), v(4u), x(7u)), v(8u), x(14u), v(11u), u32(x(15u)), 2u);
+            body: "let section = ShadowSection(cross(v(16u), v(19u)), x(22u), v(16u), v(19u), vec2<f32>(0.28, -0.96), vec2<f32>(0.28, 0.96));
+                let caster = Caster(Solid(v(0u), x(3u), v(4u), x(7u)), v(8u), v(11u), u32(x(15u)), 2u);
                 let s = shadow_span(caster, section); y(0u, s.x); y(1u, s.y); y(2u, s.z);",
             inputs: shadows_of_pieces(),
             twin: Box::new(|x| {
