@@ -379,7 +379,7 @@ fn scene_surface(direction: vec3<f32>, hit: Hit) -> Surface {
         if !sharp && MODE != MODE_FULL {
             continue;
         }
-        surface.lit_by |= select(0u, 1u << (i % 32u), sharp);
+        surface.lit_by ^= select(0u, lattice_pcg(i), sharp);
         var reflection = look.albedo;
         if (HAS_FINISH || HAS_MESH) && look.coat.width2 > 0.0 {
             reflection = gloss_reflection(look.coat, look.albedo, scene_cosines(hit.normal, towards, direction));
@@ -388,7 +388,8 @@ fn scene_surface(direction: vec3<f32>, hit: Hit) -> Surface {
         surface.dry += select(vec3<f32>(0.0), dry, sharp);
         var arriving = medium_transmittance(frame.lamp_attenuation_per_m, r);
         if MODE == MODE_FULL {
-            let straight = medium_transmittance(frame.attenuation_per_m, r);
+            // Where more is scattered back than on, K is the larger: nothing is soft then.
+            let straight = min(medium_transmittance(frame.attenuation_per_m, r), arriving);
             let soft = scene_soft_share(i, to_point, hit) * (arriving - straight);
             arriving = select(soft, straight + soft, sharp);
         }

@@ -49,14 +49,16 @@ impl Chosen {
         }
     }
 
-    /// Renders; where the graphics card was our choice and the scene is too large for it, the reference does.
+    /// Renders; where the graphics card was our choice and the scene is too large for it, or it fails, the reference does.
     pub(crate) fn render(
         &mut self,
         scene: &Scene,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Frame, RenderError> {
         match expose(self.renderer.as_ref(), scene, progress) {
-            Err(error @ RenderError::AdapterLimit { .. }) if !self.is_forced => {
+            Err(error @ (RenderError::AdapterLimit { .. } | RenderError::Device { .. }))
+                if !self.is_forced =>
+            {
                 *self = Self::cpu(error.to_string(), true);
                 expose(self.renderer.as_ref(), scene, progress)
             }

@@ -32,8 +32,8 @@ pub struct Lobe {
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the messages say it")]
 pub enum PhaseError {
-    #[error("lobes: expected at least one, found none")]
-    NoLobes,
+    #[error("lobes: expected 1 to {}, found {found}", Phase::MOST_LOBES)]
+    Lobes { found: usize },
     #[error("lobes[{index}].g: expected > -1 and < 1, found {found}")]
     Anisotropy { index: usize, found: f64 },
     #[error("lobes[{index}].weight: expected > 0 and at most 1, found {found}")]
@@ -74,10 +74,13 @@ impl Phase {
         Self::lobes(vec![Lobe { weight: 1.0, g }])
     }
 
+    /// Lobes of a sum: as many as a graphics card is sent.
+    pub const MOST_LOBES: usize = 14;
+
     /// A sum of lobes.
     ///
     /// # Errors
-    /// No lobe, `g` not in (−1, 1), a weight not in (0, 1], weights that do not sum to 1.
+    /// No lobe or too many, `g` not in (−1, 1), a weight not in (0, 1], weights that do not sum to 1.
     pub fn lobes(lobes: Vec<Lobe>) -> Result<Self, PhaseError> {
         let phase = Self::HenyeyGreensteinSum(lobes);
         phase.validate()?;
@@ -105,8 +108,8 @@ impl Phase {
     pub fn validate(&self) -> Result<(), PhaseError> {
         match self {
             Self::HenyeyGreensteinSum(lobes) => {
-                if lobes.is_empty() {
-                    return Err(PhaseError::NoLobes);
+                if !(1..=Self::MOST_LOBES).contains(&lobes.len()) {
+                    return Err(PhaseError::Lobes { found: lobes.len() });
                 }
                 for (index, lobe) in lobes.iter().enumerate() {
                     if !(lobe.g.abs() < 1.0) {

@@ -180,7 +180,11 @@ fn fournier_forand_is_smooth_where_delta_is_one_and_finite_forwards() {
 #[test]
 fn phase_refuses_what_is_none() {
     let lobe = |weight, g| Lobe { weight, g };
-    assert_eq!(Phase::lobes(vec![]), Err(PhaseError::NoLobes));
+    for found in [0, Phase::MOST_LOBES + 1] {
+        let weight = 1.0 / found as f64;
+        let lobes = vec![Lobe { weight, g: 0.5 }; found];
+        assert_eq!(Phase::lobes(lobes), Err(PhaseError::Lobes { found }));
+    }
     assert_eq!(
         Phase::lobes(vec![lobe(1.0, 0.5), lobe(0.5, 0.5)]),
         Err(PhaseError::WeightSum { found: 1.5 })

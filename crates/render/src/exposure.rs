@@ -13,6 +13,8 @@ use crate::{RenderError, Renderer};
 
 /// Stands for no surface: what moves there moves with the turn alone, m.
 const FAR_M: f64 = 1e4;
+/// Times of an exposure between which ways are straight.
+const STAGES: [f64; 9] = [-0.5, -0.375, -0.25, -0.125, 0.0, 0.125, 0.25, 0.375, 0.5];
 /// With an aperture, at least so many.
 const LEAST: f64 = 33.0;
 /// More than this is a slip of units rather than a wish.
@@ -75,21 +77,21 @@ fn renders(scene: &Scene, frame: &Frame) -> Result<usize, RenderError> {
     let (mut motion_px, mut blur_px) = (0.0_f64, 0.0_f64);
     for eye in Eye::BOTH {
         let mounted = scene.rig.eye(eye);
-        let ends = scene.motion.map(|motion| {
-            [-0.5, 0.5].map(|time| moved(mounted, &rig_at(&motion, time * motion.exposure_s)))
+        let stages = scene.motion.map(|motion| {
+            STAGES.map(|time| moved(mounted, &rig_at(&motion, time * motion.exposure_s)))
         });
+        let nearest_snow_m = scene.snow.map_or(FAR_M, |snow| snow.range_m[0]);
         let eye_frame = frame.eye(eye);
         let width = eye_frame.width_px as usize;
         let pixels = eye_frame.pixels.par_iter().enumerate();
         let largest = pixels.map(|(index, truth)| {
             let pixel = Pixel::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
-            let motion_px = ends.map_or(0.0, |ends| {
-                let range_m = f64::from(truth.range_m).min(FAR_M);
+            let motion_px = stages.map_or(0.0, |stages| {
+                let range_m = f64::from(truth.range_m).min(nearest_snow_m);
                 let point = mounted
                     .ray(&pixel)
                     .map(|(from_m, along)| from_m + along * range_m);
-                let path = point.and_then(|p| Some(ends[1].project(&p)? - ends[0].project(&p)?));
-                path.map_or(0.0, |path| path.norm())
+                point.map_or(0.0, |point_m| path_px(&stages, &point_m))
             });
             let blur_px = scene.lens.aperture.map_or(0.0, |aperture| {
                 let fx_px = mounted.camera.intrinsics().fx_px;
@@ -117,6 +119,23 @@ fn renders(scene: &Scene, frame: &Frame) -> Result<usize, RenderError> {
             renders: wanted,
         })
     }
+}
+
+/// Length of a point's way over the image; where it is out of sight its angle at the camera stands for it.
+fn path_px(stages: &[MountedCamera], point_m: &Vec3) -> f64 {
+    let fx_px = stages[0].camera.intrinsics().fx_px;
+    let step_px = |a: &MountedCamera, b: &MountedCamera| {
+        if let (Some(from), Some(to)) = (a.project(point_m), b.project(point_m)) {
+            return (to - from).norm();
+        }
+        let seen = |camera: &MountedCamera| camera.rig_from_camera.inverse().point(point_m);
+        let (from, to) = (seen(a), seen(b));
+        fx_px * libm::atan2(from.cross(&to).norm(), from.dot(&to))
+    };
+    stages
+        .windows(2)
+        .map(|pair| step_px(&pair[0], &pair[1]))
+        .sum()
 }
 
 /// The scene as one of the renders sees it. Renders come in pairs on opposite sides of the lens's centre and of the middle of the

@@ -10,10 +10,11 @@
 mod common;
 
 use core::f64::consts::PI;
+use core::sync::atomic::{AtomicUsize, Ordering};
 
 use rodsight_geometry::{Eye, Vec3};
 use rodsight_render::{CpuRenderer, EyeFrame, Frame, RenderError, Renderer, expose};
-use rodsight_scene::{Aperture, EdgeSampling, Lens, Material, Motion, Scene};
+use rodsight_scene::{Aperture, EdgeSampling, Lens, Material, Motion, Scene, Snow};
 
 /// Focal length of the rig at an eighth of its resolution, px.
 const FX_PX: f64 = 1566.5776 / 8.0;
@@ -276,4 +277,62 @@ fn blur_beyond_all_measure_is_refused() {
             .contains("lens.aperture and motion: expected"),
         "{error}"
     );
+}
+
+/// Half a turn and whole ones end where nothing is to be seen, or where they began.
+#[test]
+fn turns_out_of_sight_are_no_still_pictures() {
+    for turn_rad in [PI, 2.0 * PI] {
+        let turn = Vec3::new(0.0, 0.0, turn_rad / 0.02);
+        let scene = moving(rod(2.0, 0.03), Vec3::zeros(), turn);
+        match expose(&CpuRenderer, &scene, &|_| ()) {
+            Err(RenderError::Blur { motion_px, .. }) => {
+                // On the axis fx px a rad, elsewhere more.
+                assert!(motion_px > 0.99 * FX_PX * turn_rad, "{motion_px}");
+            }
+            other => panic!("{turn_rad}: {:?}", other.map(|_| ())),
+        }
+    }
+}
+
+/// Counts the renders.
+struct Counted(AtomicUsize);
+
+impl Renderer for Counted {
+    fn backend(&self) -> &'static str {
+        CpuRenderer.backend()
+    }
+
+    fn adapter(&self) -> String {
+        CpuRenderer.adapter()
+    }
+
+    fn render(&self, scene: &Scene, progress: &(dyn Fn(f64) + Sync)) -> Result<Frame, RenderError> {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        CpuRenderer.render(scene, progress)
+    }
+}
+
+/// Snow is nearer than any surface, and so are its streaks longer.
+#[test]
+fn streaks_of_snow_are_whole() {
+    let renders = |snow: Option<Snow>| {
+        let mut scene = moving(rod(2.0, 0.03), Vec3::new(0.0, 0.25, 0.0), Vec3::zeros());
+        scene.snow = snow;
+        let counted = Counted(AtomicUsize::new(0));
+        expose(&counted, &scene, &|_| ()).unwrap();
+        counted.0.into_inner()
+    };
+    let snow = Snow {
+        number_per_m3: 10.0,
+        diameter_m: [1e-3, 2e-3],
+        exponent: 3.0,
+        albedo: [0.2; 3],
+        range_m: [0.25, 2.0],
+        seed: None,
+    };
+    // 5 mm at a quarter of a metre, two renders a pixel.
+    let wanted = 2.0 * FX_PX * 0.005 / 0.25;
+    let (clear, snowy) = (renders(None), renders(Some(snow)));
+    assert!(clear < 4 && snowy as f64 >= wanted, "{clear} {snowy}");
 }

@@ -276,3 +276,46 @@ fn colour_matrix_mixes_balanced_bands() {
         }
     }
 }
+
+/// Darkness is taken off all codes, so that those above a full well are not yet white.
+#[test]
+fn overshoots_are_the_same_with_a_matrix_that_does_nothing() {
+    let bayer = methods().map(|(bayer, _)| bayer);
+    let bayer = bayer.filter(|bayer| bayer.demosaic == Demosaic::Malvar);
+    for bayer in bayer {
+        let Sensor::Emva(silent) = silent(Some(bayer)) else {
+            unreachable!("silent is EMVA")
+        };
+        let [width_px, height_px] = SIZE;
+        let light = |i: u32| if i % width_px < 6 { 0.2 } else { 1.5 };
+        let pixels = (0..width_px * height_px).map(|i| PixelTruth {
+            radiance: [light(i); 3],
+            ..PixelTruth::default()
+        });
+        let eye = EyeFrame {
+            width_px,
+            height_px,
+            pixels: pixels.collect(),
+        };
+        let frame = Frame {
+            left: eye.clone(),
+            right: eye,
+            backend: "test",
+            adapter: String::new(),
+        };
+        let mut scene = Scene {
+            sensor: Sensor::Emva(Emva {
+                dark_e: 0.1 * silent.full_well_e,
+                ..silent
+            }),
+            ..common::empty(16)
+        };
+        let without = develop(&frame, &scene).unwrap();
+        scene.colour_matrix = Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        assert_eq!(without, develop(&frame, &scene).unwrap());
+        let places = (0..width_px * height_px).map(|i| (i % width_px, i / width_px));
+        let brightest = places.flat_map(|(column, row)| codes(&without.left, column, row));
+        let brightest = brightest.fold(0.0, f64::max);
+        assert!(brightest > 4090.0, "an overshoot is white: {brightest}");
+    }
+}

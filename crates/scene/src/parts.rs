@@ -203,10 +203,17 @@ impl SensorEntry {
                 if !(8..=16).contains(&emva.adc_bits) {
                     return Err(no.value("sensor.emva.adc_bits", "8 to 16", emva.adc_bits));
                 }
+                let full_well_e = no.positive("sensor.emva.full_well_e", emva.full_well_e)?;
+                let dark_e = no.number(
+                    "sensor.emva.dark_e",
+                    emva.dark_e,
+                    &format!("at least 0 and less than the full well ({full_well_e})"),
+                    |v| v >= 0.0 && v < full_well_e,
+                )?;
                 Sensor::Emva(Emva {
-                    full_well_e: no.positive("sensor.emva.full_well_e", emva.full_well_e)?,
+                    full_well_e,
                     read_noise_e: no.not_negative("sensor.emva.read_noise_e", emva.read_noise_e)?,
-                    dark_e: no.not_negative("sensor.emva.dark_e", emva.dark_e)?,
+                    dark_e,
                     prnu: no.number("sensor.emva.prnu", emva.prnu, "between 0 and 0.5", |v| {
                         (0.0..=0.5).contains(&v)
                     })?,

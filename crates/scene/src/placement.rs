@@ -3,7 +3,7 @@
 use rodsight_geometry::{Eye, Vec3};
 
 use crate::error::Complaints;
-use crate::{Scene, SceneError};
+use crate::{Lamp, Scene, SceneError};
 
 /// The first thing that is where it cannot be.
 pub(crate) fn check_placement(scene: &Scene, no: &Complaints<'_>) -> Result<(), SceneError> {
@@ -44,6 +44,30 @@ pub(crate) fn check_placement(scene: &Scene, no: &Complaints<'_>) -> Result<(), 
                 ),
             ));
         }
+    }
+    if let Some(seabed) = &scene.seabed {
+        let buried = |lamp: &&Lamp| lamp.position_m.z >= seabed.z_m;
+        if let Some((k, lamp)) = scene.lamps.iter().enumerate().find(|(_, l)| buried(l)) {
+            return Err(no.value(
+                format!("lamp[{k}].position_m"),
+                format!("z above the seabed, less than {}", seabed.z_m),
+                lamp.position_m.z,
+            ));
+        }
+    }
+    if let Some(eye) = Eye::BOTH
+        .into_iter()
+        .find(|&eye| !scene.rig.eye(eye).is_pinhole())
+        && scene.lens.aperture.is_some()
+    {
+        return Err(no.value(
+            "lens.aperture",
+            "cameras without distortion or port: what is in focus behind those is not modelled",
+            format!(
+                "a {} camera with one; lens.psf_sigma_px blurs any image",
+                eye.name()
+            ),
+        ));
     }
     for (k, occluder) in scene.occluders.iter().enumerate() {
         let inside = |point_m: &Vec3| occluder.shape.contains(point_m);

@@ -7,6 +7,7 @@ use rodsight_scene::{Lamp, Material, Mode};
 use super::shadow::{MIN_STRETCH_M, Shadows};
 use super::solid::{Capped, Ray};
 use super::world::{Hit, Thing, World};
+use crate::lattice::pcg;
 
 /// Lengths of shadow rays end this much short of their surface, relative and absolute.
 const SHADOW_GAP: f64 = 1e-6;
@@ -46,7 +47,7 @@ impl LampLight {
     }
 }
 
-/// Light that leaves a surface towards the camera, and which lamps reach it (a bit each; lamps beyond 32 share).
+/// Light that leaves a surface towards the camera, and which lamps reach it, as a sum of hashes.
 pub(super) struct Surface {
     /// In the water.
     pub(super) wet: Bands,
@@ -108,7 +109,7 @@ impl World<'_> {
             let Some((is_sharp, arriving)) = self.arriving(light, &point, own) else {
                 continue;
             };
-            surface.lit_by |= u32::from(is_sharp) << (index % 32);
+            surface.lit_by ^= u32::from(is_sharp) * pcg(index as u32);
             let reflection = match &look.coat {
                 Some(coat) => coat.reflection(&albedo, &cosines(&hit.normal, &direction, ray)),
                 None => albedo,
@@ -154,7 +155,8 @@ impl World<'_> {
         }
         let sharp = transmittance(&self.attenuation_per_m, r);
         let straight = f64::from(u8::from(is_sharp));
-        let sum = |k: usize| straight * sharp[k] + soft * (all[k] - sharp[k]);
+        // Where more is scattered back than on, K is the larger: nothing is soft then.
+        let sum = |k: usize| straight * sharp[k].min(all[k]) + soft * (all[k] - sharp[k]).max(0.0);
         Some((is_sharp, core::array::from_fn(sum)))
     }
 

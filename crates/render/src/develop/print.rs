@@ -30,7 +30,8 @@ impl Printer {
         .map(srgb_encode)
     }
 
-    /// The same for a converter's codes times `parts`. They are few: unless a matrix mixes the bands, each is encoded once.
+    /// The same for a converter's codes times `parts`. They are few: unless a matrix mixes the bands, each is encoded once. Demosaicing
+    /// overshoots them now and then.
     pub(super) fn of_codes<T: Copy + Send + Sync>(
         self,
         emva: &Emva,
@@ -46,11 +47,11 @@ impl Printer {
             encoded.map(&quantise).collect::<Vec<T>>()
         });
         move |codes| {
-            if self.colour_matrix.is_some() {
-                self.encode(codes.map(linear)).map(&quantise)
+            let known = codes.iter().all(|code| (0..=highest).contains(code));
+            if self.colour_matrix.is_none() && known {
+                [0, 1, 2].map(|k| tables[k][codes[k] as usize])
             } else {
-                // A code outside the table is outside [0, 1], too, where every gain is at least 1.
-                [0, 1, 2].map(|k| tables[k][codes[k].clamp(0, highest) as usize])
+                self.encode(codes.map(linear)).map(&quantise)
             }
         }
     }

@@ -245,8 +245,8 @@ fn frame(world: &World<'_>, eye: Eye) -> layout::Frame {
     }
 }
 
-/// Two lobes a vector; a phase function has at most 14.
-fn soft_lobes(world: &World<'_>) -> [Vec4f; 7] {
+/// Two lobes a vector.
+fn soft_lobes(world: &World<'_>) -> [Vec4f; Phase::MOST_LOBES / 2] {
     let pair = |k: usize| {
         let lobe = |i: usize| {
             let lobe = world.soft_lobes.get(i);
