@@ -1,6 +1,7 @@
 //! The truth record: what is to be found in a pair, and how well it could be.
 
 mod content;
+mod places;
 mod view;
 
 use rodsight_geometry::{Eye, ImageLine, Line3, PaperGrasp, RigFile};
@@ -152,7 +153,8 @@ pub struct EyeTruth {
     /// them are right to 1e-3 px in the image; in the green band behind a port. Null where `lines` is exact, where the rod is wholly
     /// behind, and where the camera looks along it from within its radius.
     pub curves: Option<ConeTruth<Vec<[f64; 2]>>>,
-    /// Stretches of the axis, m from its middle, that are in the image with nothing before the surface over them.
+    /// Stretches of the axis, m from its middle, that are in the image with nothing before the surface over them; looked for at every
+    /// pixel, so that what hides less may be missed.
     pub visible_m: Vec<[f64; 2]>,
     /// Pixels whose centre shows the rod.
     pub visible_px: u64,

@@ -3,6 +3,7 @@
 use rodsight_geometry::{Cylinder, Line3, MountedCamera, Pixel, Side, Vec3};
 use rodsight_scene::Rod;
 
+use super::places::{Places, beside};
 use super::{ConeTruth, EyeTruth};
 use crate::cpu::arc::Arc;
 use crate::cpu::solid::Ray;
@@ -22,12 +23,16 @@ pub(super) struct EyeView<'a> {
     pub(super) light: &'a [[f32; 3]],
 }
 
-/// Points along a curve of the truth, before those that its bend asks for.
-const CURVE_POINTS: usize = 257;
+/// Distance in the image of places at which a rod is looked for: what hides less of it may be missed, px.
+const SIGHT_STEP_PX: f64 = 1.0;
+/// Distance of the points of a curve before those that its bend asks for, px: few, but no bend goes unseen between them.
+const CURVE_STEP_PX: f64 = 32.0;
 /// Half of what a reader who joins the points by straight lines may be off, px.
 const CURVE_ERROR_PX: f64 = 5e-4;
 /// A piece of a curve becomes at most 2¹² pieces.
 const MAX_HALVINGS: u32 = 12;
+/// Halvings that leave of a piece of a rod less than shows.
+const MAX_BISECTIONS: u32 = 40;
 /// Pixels from the limb at which contrast is measured, on either side: outside any blur. Within a thin rod, no farther than its axis.
 const CONTRAST_REACH_PX: f64 = 2.5;
 
@@ -86,19 +91,41 @@ impl EyeView<'_> {
         self.mounted.limb_point_m(&cylinder, side)
     }
 
+    /// Arc lengths close enough together for a curve along the rod, with its pixels.
+    fn places(
+        &self,
+        half_m: f64,
+        step_px: f64,
+        pixel_at: &dyn Fn(f64) -> Option<Pixel>,
+    ) -> Vec<(f64, Option<Pixel>)> {
+        let places = Places {
+            mounted: self.mounted,
+            axis_at: &|s_m| self.arc.at(s_m).point_m,
+            pixel_at,
+            step_px,
+        };
+        places.along(half_m)
+    }
+
     fn curves(&self) -> Option<ConeTruth<Vec<[f64; 2]>>> {
         let curve = |side: f64| -> Option<Vec<[f64; 2]>> {
             let at = |s_m: f64| self.mounted.project(&self.contour_point(s_m, side)?);
-            let place = |i: usize| self.rod.length_m * (i as f64 / (CURVE_POINTS - 1) as f64 - 0.5);
+            let places = self.places(self.rod.length_m / 2.0, CURVE_STEP_PX, &at);
             let mut points: Vec<Pixel> = Vec::new();
-            let mut last: Option<(f64, Pixel)> = None;
-            for s_m in (0..CURVE_POINTS).map(place) {
-                let here = at(s_m).map(|pixel| (s_m, pixel));
-                if let (Some(from), Some(to)) = (last, here) {
-                    self.between(&at, from, to, MAX_HALVINGS, &mut points);
+            points.extend(places[0].1);
+            for pair in places.windows(2) {
+                let [from, to] = [pair[0], pair[1]].map(|(s_m, pixel)| Some((s_m, pixel?)));
+                let reached = match (from, to) {
+                    (Some(from), Some(to)) => Some([from, to]),
+                    (Some(from), None) => Some([from, self.last_seen(&at, from, pair[1].0)]),
+                    (None, Some(to)) => Some([self.last_seen(&at, to, pair[0].0), to]),
+                    (None, None) => None,
+                };
+                if let Some([begin, end]) = reached {
+                    points.extend(from.is_none().then_some(begin.1));
+                    self.between(&at, begin, end, MAX_HALVINGS, &mut points);
+                    points.push(end.1);
                 }
-                points.extend(here.map(|(_, pixel)| pixel));
-                last = here;
             }
             (points.len() > 1).then(|| points.into_iter().map(Into::into).collect())
         };
@@ -107,6 +134,26 @@ impl EyeView<'_> {
             minus_limb: curve(-1.0)?,
             axis: curve(0.0)?,
         })
+    }
+
+    /// The last point of a curve that is seen on the way from a seen place to one that is not, or the first outside the image.
+    fn last_seen(
+        &self,
+        at: &dyn Fn(f64) -> Option<Pixel>,
+        mut seen: (f64, Pixel),
+        mut unseen_m: f64,
+    ) -> (f64, Pixel) {
+        for _ in 0..MAX_BISECTIONS {
+            if !self.mounted.camera.contains(&seen.1) {
+                break;
+            }
+            let middle_m = 0.5 * (seen.0 + unseen_m);
+            match at(middle_m) {
+                Some(pixel) => seen = (middle_m, pixel),
+                None => unseen_m = middle_m,
+            }
+        }
+        seen
     }
 
     /// Points between two of a curve, so that in the image the curve is within `CURVE_ERROR_PX` of the straight pieces.
@@ -118,13 +165,7 @@ impl EyeView<'_> {
         halvings: u32,
         points: &mut Vec<Pixel>,
     ) {
-        let size = self.mounted.camera.intrinsics();
-        let outside =
-            |a: f64, b: f64, size_px: u32| a.max(b) < 0.0 || a.min(b) > f64::from(size_px);
-        if halvings == 0
-            || outside(from.1.x, to.1.x, size.width_px)
-            || outside(from.1.y, to.1.y, size.height_px)
-        {
+        if halvings == 0 || beside(self.mounted.camera.intrinsics(), &from.1, &to.1) {
             return;
         }
         let s_m = 0.5 * (from.0 + to.0);
@@ -167,17 +208,17 @@ impl EyeView<'_> {
     fn visible_stretches(&self, index: usize) -> Vec<[f64; 2]> {
         let half = self.rod.length_m / 2.0;
         // A hair inside the ends: a ray to the very end may slip past the cap.
-        let at =
-            |i: usize| (2.0 * i as f64 / (CURVE_POINTS - 1) as f64 - 1.0) * half * (1.0 - 1e-9);
+        let pixel_at = |s_m: f64| self.mounted.project(&self.arc.at(s_m).point_m);
+        let places = self.places(half * (1.0 - 1e-9), SIGHT_STEP_PX, &pixel_at);
         let mut stretches = Vec::new();
-        let mut begin = self.is_visible(at(0), index).then_some(-half);
-        for i in 1..CURVE_POINTS {
-            let (mut a, mut b) = (at(i - 1), at(i));
+        let mut begin = self.is_visible(places[0].0, index).then_some(-half);
+        for pair in places.windows(2) {
+            let [mut a, mut b] = [pair[0].0, pair[1].0];
             let was = begin.is_some();
             if self.is_visible(b, index) == was {
                 continue;
             }
-            for _ in 0..40 {
+            for _ in 0..MAX_BISECTIONS {
                 let middle = 0.5 * (a + b);
                 if self.is_visible(middle, index) == was {
                     a = middle;
