@@ -239,7 +239,10 @@ fn grasp_truth(scene: &Scene) -> Option<GraspTruth> {
     let target = scene.target;
     let rod = &scene.rods[target.rod];
     let arc = Arc::of(rod);
-    let wanted = arc.at(target.along_m);
+    let half_m = rod.length_m / 2.0;
+    // A hair inside the ends: a ray to the very end may slip past the cap.
+    let inner_m = half_m * (1.0 - 1e-9);
+    let wanted = arc.at(target.along_m.clamp(-inner_m, inner_m));
     let eye = scene.rig.eye(target.pick_eye);
     let pick = eye.project(&wanted.point_m)?;
     let (origin_m, direction) = eye.ray(&pick)?;
@@ -253,7 +256,6 @@ fn grasp_truth(scene: &Scene) -> Option<GraspTruth> {
         direction,
     })?;
     let along_m = arc.parameter_of(&(origin_m + direction * hit.t_m));
-    let half_m = rod.length_m / 2.0;
     let point = arc.at(along_m.clamp(-half_m, half_m)).point_m;
     Some(GraspTruth {
         rod: target.rod,

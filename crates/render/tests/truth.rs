@@ -108,6 +108,35 @@ fn grasp_at_an_end_stays_on_the_rod() {
     assert!((along + 0.5).abs() < 1e-9, "{along}");
 }
 
+/// Seen across, an end is met or missed by the pick's ray as rounding will have it.
+#[test]
+fn grasp_at_the_very_ends_can_be_picked() {
+    let mut scene = common::empty(64);
+    scene
+        .rods
+        .push(common::flat_rod(Vec3::x(), Vec3::x(), 0.05));
+    let frame = render(&scene);
+    let eye_m = scene.rig.left.rig_from_camera.origin_m();
+    for i in 0..200 {
+        let turn = f64::from(i);
+        let end_m = eye_m + Vec3::new(2.3, 0.3 * libm::sin(turn), 0.2 * libm::cos(turn));
+        let slope = Vec3::new(0.0, libm::cos(2.0 * turn), libm::sin(2.0 * turn));
+        let direction = (end_m - eye_m).cross(&slope).normalize();
+        let length_m = 0.3 + 0.0037 * turn;
+        for side in [-0.5, 0.5] {
+            scene.target.along_m = side * length_m;
+            scene.rods[0] = Rod {
+                length_m,
+                ..common::flat_rod(end_m - direction * scene.target.along_m, direction, 0.05)
+            };
+            let truth = Truth::of(&scene, &frame, 1.0);
+            let grasp = truth.unwrap_or_else(|| panic!("rod {i}, {side}")).grasp;
+            let off_m = (Vec3::from(grasp.axis.point_m) - end_m).norm();
+            assert!(off_m < 1e-8, "rod {i}: {off_m} m from its end");
+        }
+    }
+}
+
 #[test]
 fn visible_stretches_and_pixels_know_what_hides_the_rod() {
     let scene = crossing(8);
