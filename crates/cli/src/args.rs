@@ -59,8 +59,9 @@ Example:
   rodsight render scenes/paper.toml -o pair
   rodsight solve --left pair/left.png --right pair/right.png --rig pair/rig.toml --pick 1029.3,637.0
 
-Writes left.png right.png (the sensor's images), left.exr right.exr (linear radiance as R, G, B and every truth channel by
-name), rig.toml, scene.toml (the scene with every default written out) and truth.json.")]
+Writes left.png right.png (the sensor's images; left.jpg right.jpg if the scene asks for JPEG, and left_raw.png right_raw.png if it
+asks for raw codes), left.exr right.exr (linear radiance as R, G, B and every truth channel by name), props/ID.glb (the mesh of each
+prop), rig.toml, scene.toml (the scene with every default written out) and truth.json.")]
 pub(crate) struct RenderArgs {
     /// Scene file (TOML)
     pub(crate) scene: PathBuf,
@@ -70,7 +71,7 @@ pub(crate) struct RenderArgs {
     /// What renders: auto takes a graphics card if there is one, or else the cpu, and says which and why
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     pub(crate) backend: Backend,
-    /// Seed of texture and noise, instead of the scene's
+    /// Seed instead of the scene's: texture, stones, growth, snow and noise
     #[arg(long, allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,
     /// Print a summary as JSON

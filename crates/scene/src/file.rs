@@ -29,7 +29,7 @@ pub struct SceneFile {
     pub schema: u32,
     /// Short name, used in file names: letters, digits, `_` and `-`.
     pub id: String,
-    /// Seed of everything random: texture, sensor noise.
+    /// Seed of everything random: texture, stones, growth, snow, sensor noise.
     #[serde(default)]
     pub seed: u64,
     /// What of the water is rendered.

@@ -17,7 +17,7 @@ use crate::{Bayer, Lens, Motion, Output, Snow};
 pub struct Scene {
     /// Short name, used in file names and records.
     pub id: String,
-    /// Seed of everything random: texture, sensor noise.
+    /// Seed of everything random: texture, stones, growth, snow, sensor noise.
     pub seed: u64,
     /// The cameras.
     pub rig: Rig,

@@ -56,6 +56,11 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         files.extend([&paths.left_raw, &paths.right_raw]);
     }
     files.extend([&paths.left_exr, &paths.right_exr]);
+    let props = scene.props.iter();
+    let props: Vec<_> = props
+        .map(|prop| args.output.join(prop.written_file()))
+        .collect();
+    files.extend(&props);
     files.extend([&paths.rig_toml, &paths.scene_toml, &paths.truth_json]);
     if args.json {
         return print_json(&Summary {
@@ -74,7 +79,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let [u_px, v_px] = rendered.truth.grasp.pick_px;
     let folder = args.output.display();
-    let names = files.iter().filter_map(|path| path.file_name()?.to_str());
+    let names = files.iter();
+    let names = names.filter_map(|path| path.strip_prefix(&args.output).ok()?.to_str());
     let names: Vec<&str> = names.collect();
     let warning = rendered
         .truth

@@ -167,6 +167,44 @@ fn render_summary_lists_files_that_are_there() {
 }
 
 #[test]
+fn render_summary_lists_raw_images_jpegs_and_props() {
+    let folder = folder();
+    let props = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/props");
+    let mesh = props.join("boulder.glb");
+    std::fs::copy(mesh, folder.path().join("boulder.glb")).unwrap();
+    let more = concat!(
+        "\n[output]\nformat = \"jpeg\"\nraw = true\n",
+        "[[prop]]\nid = \"stone\"\nfile = \"boulder.glb\"\nposition_m = [3.0, 0.5, 0.0]\n",
+    );
+    let scene = SMALL.to_owned() + more;
+    std::fs::write(folder.path().join("s.toml"), scene).unwrap();
+    let expected = [
+        "left.jpg",
+        "right.jpg",
+        "left_raw.png",
+        "right_raw.png",
+        "left.exr",
+        "right.exr",
+        "props/stone.glb",
+        "rig.toml",
+        "scene.toml",
+        "truth.json",
+    ];
+    let args = ["render", "s.toml", "-o", "pair", "--backend", "cpu"];
+    let run = rodsight_in(folder.path(), &args);
+    let line = format!("pair: {}\n", expected.join(" "));
+    assert!(run.done().contains(&line), "{run:?}");
+    let summary = rodsight_in(folder.path(), &[&args[..], &["--json"]].concat()).json();
+    let files = summary["files"].as_array().unwrap();
+    for (file, name) in files.iter().zip(expected) {
+        let path = Path::new("pair").join(name);
+        assert_eq!(file.as_str(), path.to_str());
+        assert!(folder.path().join(path).is_file(), "{file}");
+    }
+    assert_eq!(files.len(), expected.len());
+}
+
+#[test]
 fn render_says_what_to_do_next_and_that_works() {
     let folder = folder();
     std::fs::write(folder.path().join("s.toml"), SMALL).unwrap();
