@@ -83,7 +83,7 @@ pub enum Wrap {
 }
 
 impl Mesh {
-    /// The most triangles a mesh may have: with their tree they take two gigabytes.
+    /// The most triangles a mesh may have, and all props of a scene together: with their tree they take two gigabytes.
     pub const MOST_TRIANGLES: usize = 10_000_000;
 
     /// Reads a `.glb` or `.gltf` file and whatever it refers to.

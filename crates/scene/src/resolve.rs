@@ -10,7 +10,7 @@ use crate::check::{list, nearest_fibonacci};
 use crate::error::{Complaints, with_key};
 use crate::file::{EdgeEntry, SceneFile};
 use crate::placement::check_placement;
-use crate::{EdgeSampling, Mode, Occluder, Prop, Rod, Sampling, Scene, SceneError, Target};
+use crate::{EdgeSampling, Mesh, Mode, Occluder, Prop, Rod, Sampling, Scene, SceneError, Target};
 
 impl Scene {
     /// Reads a scene file.
@@ -169,9 +169,18 @@ impl SceneFile {
             occluders.push(entry.to_occluder(no, &format!("occluder[{k}]"))?);
         }
         let (mut props, mut meshes) = (Vec::new(), Vec::new());
+        let mut triangles = 0;
         for (k, entry) in self.prop.iter().enumerate() {
             claim(format!("prop[{k}].id"), &entry.id)?;
-            props.push(entry.to_prop(no, &format!("prop[{k}]"), &mut meshes)?);
+            let prop = entry.to_prop(no, &format!("prop[{k}]"), &mut meshes)?;
+            // Every prop has its own copy in the tree of triangles.
+            triangles += prop.mesh.triangle_count();
+            if triangles > Mesh::MOST_TRIANGLES {
+                let most = Mesh::MOST_TRIANGLES;
+                let expected = format!("at most {most} triangles in all props up to this one");
+                return Err(no.value(format!("prop[{k}].file"), expected, triangles));
+            }
+            props.push(prop);
         }
         // Each has a number of 16 bits in the instance channel, rods one more for what grows on them.
         let count = 2 * rods.len() + occluders.len() + props.len();

@@ -159,14 +159,13 @@ fn a_surface_that_shines_by_itself_takes_no_colour() {
     );
 }
 
-#[test]
-fn props_are_read_beside_the_scene_and_written_beside_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let mesh = Mesh {
+/// A triangle, as often as asked for.
+fn plate(triangles: usize) -> Mesh {
+    Mesh {
         parts: vec![MeshPart {
             positions_m: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
             normals: vec![[0.0, 0.0, 1.0]; 3],
-            triangles: vec![[0, 1, 2]],
+            triangles: vec![[0, 1, 2]; triangles],
             ..MeshPart::default()
         }],
         materials: vec![MeshMaterial {
@@ -177,7 +176,29 @@ fn props_are_read_beside_the_scene_and_written_beside_it() {
             texture: None,
         }],
         ..Mesh::default()
-    };
+    }
+}
+
+/// One file many times over: 500 plates of 20 000 triangles are ten million, and the next is too many.
+#[test]
+fn triangles_of_all_props_are_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("plate.glb"), plate(20_000).to_glb()).unwrap();
+    let prop =
+        |k| format!("[[prop]]\nid = \"p{k}\"\nfile = \"plate.glb\"\nposition_m = [3, 0, -1]\n");
+    let props: Vec<String> = (0..=500).map(prop).collect();
+    let text = paper()
+        .1
+        .replacen("[seabed]", &(props.concat() + "[seabed]"), 1);
+    let error = Scene::from_toml(&text, &folder.path().join("paper.toml")).unwrap_err();
+    let expected = "prop[500].file: expected at most 10000000 triangles in all props up to this one, found 10020000";
+    assert!(error.to_string().contains(expected), "{error}");
+}
+
+#[test]
+fn props_are_read_beside_the_scene_and_written_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = plate(1);
     std::fs::create_dir(folder.path().join("meshes")).unwrap();
     std::fs::write(folder.path().join("meshes/plate.glb"), mesh.to_glb()).unwrap();
     let prop = |id: &str| {

@@ -14,6 +14,17 @@ use crate::error::Complaints;
 /// No side of an image is longer, px.
 const LARGEST_PX: u32 = 16_384;
 
+/// Bytes the decoder may take: the largest image in four channels of 16 bits, and what it needs besides.
+const MOST_BYTES: u64 = 8 * (LARGEST_PX as u64).pow(2) + (64 << 20);
+
+fn limits() -> Limits {
+    let mut limits = Limits::no_limits();
+    limits.max_image_width = Some(LARGEST_PX);
+    limits.max_image_height = Some(LARGEST_PX);
+    limits.max_alloc = Some(MOST_BYTES);
+    limits
+}
+
 /// The image behind a texture.
 pub(super) fn read(
     document: &Document,
@@ -38,10 +49,7 @@ pub(super) fn read(
         _ => return Err(no.value(key, "either a bufferView or a uri", "not one of them")),
     };
     let mut reader = ImageReader::new(std::io::Cursor::new(bytes));
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(LARGEST_PX);
-    limits.max_image_height = Some(LARGEST_PX);
-    reader.limits(limits);
+    reader.limits(limits());
     let decoded = reader
         .with_guessed_format()
         .map_err(image::ImageError::from)
@@ -71,5 +79,24 @@ fn wrap(mode: WrappingMode) -> Wrap {
         WrappingMode::Repeat => Wrap::Repeat,
         WrappingMode::MirroredRepeat => Wrap::Mirror,
         WrappingMode::ClampToEdge => Wrap::Clamp,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use image::ColorType;
+
+    use super::*;
+
+    #[test]
+    fn largest_image_may_be_decoded_and_a_larger_one_not() {
+        let holds = |mut limits: Limits, side: u32| {
+            limits.check_dimensions(side, side).is_ok()
+                && limits.reserve_buffer(side, side, ColorType::Rgba16).is_ok()
+        };
+        assert!(holds(limits(), LARGEST_PX));
+        assert!(!holds(limits(), LARGEST_PX + 1));
+        // The decoder's own limits end before.
+        assert!(!holds(Limits::default(), LARGEST_PX));
     }
 }
