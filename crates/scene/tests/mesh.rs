@@ -269,6 +269,8 @@ fn what_is_looked_past_is_said() {
         j["extensionsUsed"] = json!(["KHR_materials_clearcoat"]);
         j["animations"] = json!([]);
         j["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}]);
+        j["scenes"] = json!([{"nodes": [0]}, {"nodes": []}, {"nodes": []}]);
+        j["materials"][0]["doubleSided"] = json!(false);
         j["materials"][0]["alphaMode"] = json!("BLEND");
         j["materials"][0]["emissiveFactor"] = json!([1, 0, 0]);
         j["materials"][0]["normalTexture"] = json!({"index": 0});
@@ -277,6 +279,8 @@ fn what_is_looked_past_is_said() {
     for note in [
         "extension \"KHR_materials_clearcoat\" is looked past",
         "cameras are looked past: 1",
+        "scenes but one are looked past: 2",
+        "single-sided materials are drawn from both sides",
         "material \"board\": its transparency is looked past",
         "material \"board\": its emission is looked past",
         "material \"board\": its normal texture is looked past",

@@ -100,7 +100,12 @@ fn notes_about(document: &Document) -> Vec<String> {
     {
         notes.extend(earlier.iter().filter_map(Value::as_str).map(str::to_owned));
     }
+    // glTF leaves their backs out.
+    if root.materials.iter().any(|material| !material.double_sided) {
+        notes.push("single-sided materials are drawn from both sides".to_owned());
+    }
     let counts = [
+        ("scenes but one", root.scenes.len().saturating_sub(1)),
         ("animations", root.animations.len()),
         ("skins", root.skins.len()),
         ("cameras", root.cameras.len()),
