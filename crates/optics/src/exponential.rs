@@ -9,7 +9,8 @@ const ROUND: f64 = 6_755_399_441_055_744.0;
 const LN_2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
-/// e^x of each, x ≤ 0, within 1e-15 of itself; below −708, where `f64` ends, it is as if x were −708 (3e-308).
+/// e^x of each, within 1e-15 of itself; below −708, where `f64` ends, it is as if x were −708 (3e-308). Only daylight above the rig
+/// has x > 0; beyond 709 it is meaningless.
 ///
 ///   x = k ln 2 + r, |r| ≤ ½ ln 2;  e^x = 2^k Σ rⁿ/n!
 #[inline]
@@ -54,6 +55,11 @@ mod tests {
         }
         assert!(worst < 1e-15, "{worst:e}");
         assert_eq!(exp(&[0.0, -0.0, -1e-300]), [1.0; 3]);
+        for k in 0..70_000 {
+            let x = f64::from(k) * 1e-2 + f64::from(k % 7) * 1.234e-5;
+            let relative = exp(&[x])[0] / libm::exp(x) - 1.0;
+            assert!(relative.abs() < 1e-15, "{x}: {relative:e}");
+        }
         let deep = exp(&[-1e4, f64::NEG_INFINITY, -708.0]);
         assert!(
             deep.iter().all(|&value| value > 0.0 && value < 1e-307),

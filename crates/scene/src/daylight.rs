@@ -14,6 +14,7 @@ pub struct DaylightEntry {
     /// Irradiance on a level surface per band (red, green, blue).
     pub irradiance_w_per_m2: [f64; 3],
     /// How deep under the place of that irradiance the rig's origin lies; 0 means it is the irradiance at the rig.
+    /// What is higher is brighter, by e^(`K_d` h), and nothing ends that at the water's surface.
     #[serde(default)]
     pub depth_m: f64,
     /// Diffuse attenuation `K_d` per band; √(a² + 0.256 a b) if absent (Kirk 1981).
