@@ -133,11 +133,10 @@ fn interrupt(child: Child, signal: &str) -> Run {
 fn interrupt_while_rendering_leaves_nothing() {
     let folder = folder();
     let scene = folder.path().join("slow.toml");
-    std::fs::write(
-        &scene,
-        SMALL.replace("airlight_points = 16", "airlight_points = 4096"),
-    )
-    .unwrap();
+    // Seconds, of which the interrupt comes after a third of one.
+    let slow = SMALL.replace("fibonacci = 55", "fibonacci = 10946");
+    assert_ne!(slow, SMALL);
+    std::fs::write(&scene, slow).unwrap();
     for signal in ["-INT", "-TERM"] {
         let output = folder.path().join("deep/out");
         let mut child = start_render(&scene, &output);
