@@ -10,7 +10,7 @@
 mod common;
 
 use rodsight_geometry::{Eye, Vec3};
-use rodsight_optics::{Medium, Phase, Wells, water};
+use rodsight_optics::{Lobe, Medium, Phase, Wells, water};
 use rodsight_render::{CpuRenderer, EyeFrame, Frame, Renderer, Truth};
 use rodsight_scene::{Material, Mode, Rod, Scene};
 
@@ -284,4 +284,27 @@ fn what_is_beyond_the_model_is_flagged_in_mode_full_only() {
             .beyond_model
             .is_none()
     );
+}
+
+/// Where more is scattered back than on, K is larger than c: what reaches a shadow is nothing, not less.
+#[test]
+fn shadows_in_water_that_scatters_back_are_not_darker_than_black() {
+    let lobe = |weight, g| Lobe { weight, g };
+    let phase = Phase::lobes(vec![lobe(0.3, 0.5), lobe(0.7, -0.6)]).unwrap();
+    let mut scene = common::crossing(8);
+    scene.mode = Mode::Full;
+    scene.ambient_radiance = [0.0; 3];
+    scene.medium = Medium::new([0.05; 3], [0.3; 3], phase).unwrap();
+    let mut frames = vec![CpuRenderer.render(&scene, &|_| ()).unwrap()];
+    frames.extend(common::gpu().map(|gpu| gpu.render(&scene, &|_| ()).unwrap()));
+    for frame in frames {
+        let pixels = || frame.left.pixels.iter().filter(|pixel| pixel.instance != 0);
+        let darkest = pixels().fold(f32::INFINITY, |least, pixel| least.min(pixel.direct[1]));
+        assert!(darkest == 0.0, "{}: {darkest}", frame.backend);
+        assert!(
+            pixels().any(|pixel| pixel.direct[1] > 0.0),
+            "{}",
+            frame.backend
+        );
+    }
 }

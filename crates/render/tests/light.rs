@@ -376,3 +376,27 @@ fn koschmieder_fades_the_surface_into_the_veil() {
         );
     }
 }
+
+/// However many lamps there are, the edge of each one's shadow is an edge: their order changes nothing but rounding.
+#[test]
+fn shadows_of_the_33rd_lamp_have_edges_too() {
+    let mut scene = common::crossing(8);
+    let [near, far] = [scene.lamps[0], scene.lamps[1]];
+    let with_far_at = |scene: &mut Scene, place: usize| {
+        scene.lamps = vec![near; 33];
+        scene.lamps[place] = far;
+        CpuRenderer.render_eye(scene, Eye::Left, &|_| ()).unwrap()
+    };
+    let (second, last) = (with_far_at(&mut scene, 1), with_far_at(&mut scene, 32));
+    for (a, b) in second.pixels.iter().zip(&last.pixels) {
+        for k in 0..3 {
+            let off = (a.direct[k] - b.direct[k]).abs();
+            assert!(
+                off <= 1e-5 * b.direct[k].max(1e-6),
+                "{} {}",
+                a.direct[k],
+                b.direct[k]
+            );
+        }
+    }
+}

@@ -36,8 +36,8 @@ fn silent(bayer: Option<Bayer>) -> Sensor {
 
 const SIZE: [u32; 2] = [12, 10];
 
-/// An image of the codes that a function of column, row and band says.
-fn taken(bayer: Option<Bayer>, code: impl Fn(u32, u32, usize) -> f64) -> Developed {
+/// Light by a function of column, row and band, in codes.
+fn lit(code: impl Fn(u32, u32, usize) -> f64) -> Frame {
     let [width_px, height_px] = SIZE;
     let pixels = (0..width_px * height_px).map(|i| PixelTruth {
         radiance: [0, 1, 2].map(|k| (code(i % width_px, i / width_px, k) / 4095.0) as f32),
@@ -48,12 +48,16 @@ fn taken(bayer: Option<Bayer>, code: impl Fn(u32, u32, usize) -> f64) -> Develop
         height_px,
         pixels: pixels.collect(),
     };
-    let frame = Frame {
+    Frame {
         left: eye.clone(),
         right: eye,
         backend: "test",
         adapter: String::new(),
-    };
+    }
+}
+
+/// An image of the codes that a function of column, row and band says.
+fn taken(bayer: Option<Bayer>, code: impl Fn(u32, u32, usize) -> f64) -> Developed {
     let scene = Scene {
         sensor: silent(bayer),
         output: Output {
@@ -62,7 +66,7 @@ fn taken(bayer: Option<Bayer>, code: impl Fn(u32, u32, usize) -> f64) -> Develop
         },
         ..common::empty(16)
     };
-    develop(&frame, &scene).unwrap()
+    develop(&lit(code), &scene).unwrap()
 }
 
 /// Codes, back from the 16-bit image: to a tenth of a code.
@@ -286,23 +290,7 @@ fn overshoots_are_the_same_with_a_matrix_that_does_nothing() {
         let Sensor::Emva(silent) = silent(Some(bayer)) else {
             unreachable!("silent is EMVA")
         };
-        let [width_px, height_px] = SIZE;
-        let light = |i: u32| if i % width_px < 6 { 0.2 } else { 1.5 };
-        let pixels = (0..width_px * height_px).map(|i| PixelTruth {
-            radiance: [light(i); 3],
-            ..PixelTruth::default()
-        });
-        let eye = EyeFrame {
-            width_px,
-            height_px,
-            pixels: pixels.collect(),
-        };
-        let frame = Frame {
-            left: eye.clone(),
-            right: eye,
-            backend: "test",
-            adapter: String::new(),
-        };
+        let frame = lit(|column, _, _| if column < 6 { 819.0 } else { 6142.0 });
         let mut scene = Scene {
             sensor: Sensor::Emva(Emva {
                 dark_e: 0.1 * silent.full_well_e,
@@ -313,7 +301,8 @@ fn overshoots_are_the_same_with_a_matrix_that_does_nothing() {
         let without = develop(&frame, &scene).unwrap();
         scene.colour_matrix = Some([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
         assert_eq!(without, develop(&frame, &scene).unwrap());
-        let places = (0..width_px * height_px).map(|i| (i % width_px, i / width_px));
+        let [columns, rows] = SIZE;
+        let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
         let brightest = places.flat_map(|(column, row)| codes(&without.left, column, row));
         let brightest = brightest.fold(0.0, f64::max);
         assert!(brightest > 4090.0, "an overshoot is white: {brightest}");
