@@ -10,4 +10,5 @@ fn backscatter(@builtin(global_invocation_id) id: vec3<u32>) {
     let ray = eye_ray(corner, vec2<f32>(0.5));
     let range = surface[7u * tile.width * tile.rows + pixel];
     tile_store(3u, pixel, water_backscatter(ray, corner + 0.5, range));
+    tile_check_loops();
 }

@@ -50,4 +50,5 @@ fn centre(@builtin(global_invocation_id) id: vec3<u32>) {
     surface[7u * pixels + pixel] = hit.t_m;
     surface[8u * pixels + pixel] = disparity;
     surface[9u * pixels + pixel] = bitcast<f32>(tag);
+    tile_check_loops();
 }

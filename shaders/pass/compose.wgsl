@@ -79,6 +79,7 @@ fn compose(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     tile_store(12u, at, snow);
     light[15u * pixels + at] = 1.0 - passed;
+    tile_check_loops();
 }
 
 /// Takes from what is to be spread of a pixel's surfaces what snow hides.

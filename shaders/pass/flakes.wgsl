@@ -12,6 +12,7 @@ fn light_flakes(@builtin(global_invocation_id) id: vec3<u32>) {
     if flake.is_small != 0u && (scene_seabed_hit(flake.from_m, sight) < flake.range_m * (1.0 - GAP) - GAP
         || scene_is_blocked(flake.from_m, sight, flake.range_m, Hit())) {
         flakes[index].opacity = 0.0;
+        tile_check_loops();
         return;
     }
     var lamps_light = vec3<f32>(0.0);
@@ -43,4 +44,5 @@ fn light_flakes(@builtin(global_invocation_id) id: vec3<u32>) {
         flakes[index].lit_from = vec3<f32>(dot(lit, flake.aside), dot(lit, cross(-sight, flake.aside)), -dot(lit, sight));
         flakes[index].shading = flake.gain * dot(lamps_light, vec3<f32>(1.0)) / all;
     }
+    tile_check_loops();
 }

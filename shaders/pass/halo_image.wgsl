@@ -12,6 +12,15 @@
 /// Means over the cells of a width, with a margin.
 @group(3) @binding(6) var<storage, read_write> cells: array<f32>;
 
+@group(3) @binding(7) var<storage, read_write> halo_loops: Loops;
+
+/// Where the loops of an invocation end.
+fn halo_check_loops() {
+    if loops_are_cut(halo_loops.steps) {
+        halo_loops.are_cut = 1u;
+    }
+}
+
 /// The share of a width between a knot and the next.
 fn halo_share(at: u32, knot: u32, along: f32) -> vec3<f32> {
     let first = knot * LEVELS + at;

@@ -23,4 +23,5 @@ fn overscan(@builtin(global_invocation_id) id: vec3<u32>) {
             halo_store_fine(2u, vec2<i32>(x, y), two);
         }
     }
+    halo_check_loops();
 }

@@ -111,6 +111,7 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
         refine_gather(corner, shift, 0u, samples, lane);
     }
     if lane != 0u {
+        tile_check_loops();
         return;
     }
     let share = 1.0 / f32(samples);
@@ -131,4 +132,5 @@ fn refine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
     tile_store(3u, pixel, scattered);
     tile_store(6u, pixel, clean * share);
     tile_store_surface(0u, pixel, transmission * share);
+    tile_check_loops();
 }

@@ -38,8 +38,17 @@ const REFINE_ACROSS: u32 = 32768u;
 /// In mode `full`: of every pixel at an edge, what arrives scattered of each thing in it, and its range, m; less than 0 ends them.
 @group(1) @binding(5) var<storage, read_write> sources: array<vec4<f32>>;
 
+@group(1) @binding(9) var<storage, read_write> tile_loops: Loops;
+
 /// Things told apart in a pixel at an edge; what is beyond the last place shares its mean distance.
 const THINGS: u32 = 8u;
+
+/// Where the loops of an invocation end.
+fn tile_check_loops() {
+    if loops_are_cut(tile_loops.steps) {
+        tile_loops.are_cut = 1u;
+    }
+}
 
 fn tile_store(first: u32, pixel: u32, value: vec3<f32>) {
     let pixels = tile.width * tile.rows;

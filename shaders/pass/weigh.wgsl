@@ -5,12 +5,30 @@ const RUN_PX: u32 = 16u;
 /// By width: of the fine ones the pixel's light, of the others the run's so far.
 var<private> weighed: array<vec3<f32>, LEVELS>;
 
+/// Light between two knots that is still to be weighed: of the nearer one and of the farther one. Snow comes in the order of its range,
+/// so that a storm of it takes few more steps than a flake.
+var<private> between: u32;
+var<private> nearer: vec3<f32>;
+var<private> farther: vec3<f32>;
+
 fn weigh_add(scattered: vec4<f32>) {
     let place = halo_place(scattered.w, halo.longest_m, halo.knots - 1u);
     let knot = min(u32(place), halo.knots - 2u);
-    for (var at = 0u; at < halo.count; at++) {
-        weighed[at] += scattered.xyz * halo_share(at, knot, place - f32(knot));
+    if knot != between {
+        weigh_all();
+        between = knot;
     }
+    let along = place - f32(knot);
+    nearer += (1.0 - along) * scattered.xyz;
+    farther += along * scattered.xyz;
+}
+
+fn weigh_all() {
+    for (var at = 0u; at < halo.count; at++) {
+        weighed[at] += nearer * halo_share(at, between, 0.0) + farther * halo_share(at, between, 1.0);
+    }
+    nearer = vec3<f32>(0.0);
+    farther = vec3<f32>(0.0);
 }
 
 fn weigh_pixel(column: u32, row: u32) {
@@ -32,6 +50,7 @@ fn weigh_pixel(column: u32, row: u32) {
             weigh_add(vec4<f32>(pair.lit * flake.scattered, flake.range_m));
         }
     }
+    weigh_all();
 }
 
 @compute @workgroup_size(8, 8)
@@ -58,4 +77,5 @@ fn weigh(@builtin(global_invocation_id) id: vec3<u32>) {
             }
         }
     }
+    tile_check_loops();
 }

@@ -128,6 +128,7 @@ const SCENE: Part = part!("pass/scene.wgsl");
 const EYE: Part = part!("pass/eye.wgsl");
 const CONTENT: Part = part!("pass/content.wgsl");
 const WATER: Part = part!("pass/water.wgsl");
+const LOOPS: Part = part!("pass/loops.wgsl");
 const TILE: Part = part!("pass/tile.wgsl");
 const SNOW: Part = part!("pass/snow.wgsl");
 const HALO_LEVELS: Part = part!("pass/halo.wgsl");
@@ -172,7 +173,7 @@ macro_rules! casting {
 /// One ray a pixel.
 pub const CENTRE: Pass = Pass {
     name: "centre",
-    parts: casting![TILE, part!("pass/centre.wgsl")],
+    parts: casting![LOOPS, TILE, part!("pass/centre.wgsl")],
 };
 
 /// The light of the water.
@@ -183,6 +184,7 @@ pub const BACKSCATTER: Pass = Pass {
         AIRLIGHT,
         AIRLIGHT_GRID,
         WATER,
+        LOOPS,
         TILE,
         part!("pass/backscatter.wgsl"),
     ],
@@ -191,7 +193,7 @@ pub const BACKSCATTER: Pass = Pass {
 /// The list of pixels at edges.
 pub const MARK: Pass = Pass {
     name: "mark",
-    parts: &[TILE, part!("pass/mark.wgsl")],
+    parts: &[LOOPS, TILE, part!("pass/mark.wgsl")],
 };
 
 /// All samples of pixels at edges.
@@ -202,6 +204,7 @@ pub const REFINE: Pass = Pass {
         AIRLIGHT,
         AIRLIGHT_GRID,
         WATER,
+        LOOPS,
         TILE,
         part!("pass/refine.wgsl"),
     ],
@@ -210,7 +213,7 @@ pub const REFINE: Pass = Pass {
 /// The light of particles of snow.
 pub const FLAKES: Pass = Pass {
     name: "light_flakes",
-    parts: casting![SPHERE, TILE, SNOW, part!("pass/flakes.wgsl"),],
+    parts: casting![SPHERE, LOOPS, TILE, SNOW, part!("pass/flakes.wgsl"),],
 };
 
 /// Snow before surfaces.
@@ -223,6 +226,7 @@ pub const COMPOSE: Pass = Pass {
         DISC,
         SPHERE,
         WATER,
+        LOOPS,
         TILE,
         SNOW,
         part!("pass/compose.wgsl"),
@@ -236,6 +240,7 @@ pub const WEIGH: Pass = Pass {
         MATHS,
         MEDIUM,
         HALO,
+        LOOPS,
         TILE,
         SNOW,
         HALO_LEVELS,
@@ -247,13 +252,25 @@ pub const WEIGH: Pass = Pass {
 /// The light around the image.
 pub const OVERSCAN: Pass = Pass {
     name: "overscan",
-    parts: casting![HALO_LEVELS, HALO_IMAGE, BEYOND, part!("pass/overscan.wgsl"),],
+    parts: casting![
+        LOOPS,
+        HALO_LEVELS,
+        HALO_IMAGE,
+        BEYOND,
+        part!("pass/overscan.wgsl"),
+    ],
 };
 
 /// The light beyond that.
 pub const FAR: Pass = Pass {
     name: "far",
-    parts: casting![HALO_LEVELS, HALO_IMAGE, BEYOND, part!("pass/far.wgsl"),],
+    parts: casting![
+        LOOPS,
+        HALO_LEVELS,
+        HALO_IMAGE,
+        BEYOND,
+        part!("pass/far.wgsl"),
+    ],
 };
 
 /// Means over cells.
@@ -263,6 +280,7 @@ pub const GATHER: Pass = Pass {
         MATHS,
         MEDIUM,
         HALO,
+        LOOPS,
         HALO_LEVELS,
         HALO_IMAGE,
         part!("pass/gather.wgsl"),
@@ -291,7 +309,7 @@ pub const BLUR_COLUMNS: Pass = Pass {
 /// The light of a tile, for its image.
 pub const COLLECT: Pass = Pass {
     name: "collect",
-    parts: &[MATHS, CAMERA, FILM, TILE, part!("pass/collect.wgsl")],
+    parts: &[MATHS, CAMERA, FILM, LOOPS, TILE, part!("pass/collect.wgsl")],
 };
 
 /// The halo and the lens's vignetting.

@@ -56,9 +56,11 @@ impl Chosen {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Frame, RenderError> {
         match expose(self.renderer.as_ref(), scene, progress) {
-            Err(error @ (RenderError::AdapterLimit { .. } | RenderError::Device { .. }))
-                if !self.is_forced =>
-            {
+            Err(
+                error @ (RenderError::AdapterLimit { .. }
+                | RenderError::LoopsCut { .. }
+                | RenderError::Device { .. }),
+            ) if !self.is_forced => {
                 *self = Self::cpu(error.to_string(), true);
                 expose(self.renderer.as_ref(), scene, progress)
             }

@@ -67,7 +67,7 @@ impl From<rodsight_render::RenderError> for Failure {
     fn from(error: rodsight_render::RenderError) -> Self {
         use rodsight_render::RenderError as E;
         match error {
-            E::NoAdapter { .. } | E::AdapterLimit { .. } => {
+            E::NoAdapter { .. } | E::AdapterLimit { .. } | E::LoopsCut { .. } => {
                 Self::NoAdapter(anyhow::Error::new(error).context("--backend gpu"))
             }
             E::Device { .. } => Self::failed(error),

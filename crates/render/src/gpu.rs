@@ -7,6 +7,7 @@ mod content;
 mod device;
 mod halo;
 mod layout;
+mod loops;
 mod passes;
 #[cfg(test)]
 mod shader_parity;
@@ -32,6 +33,7 @@ use crate::frame::{EyeFrame, Frame, PixelTruth};
 use crate::{Developed, RenderError, Renderer, develop, expose};
 use device::Gpu;
 use halo::HaloEye;
+use loops::Loops;
 use passes::{Passes, Pipelines};
 use snow::Snow;
 use tables::TableCache;
@@ -64,6 +66,7 @@ struct Casting {
     tiles: Vec<(Eye, Tile)>,
     scenes: [SceneBuffers; 2],
     buffers: [TileBuffers; 2],
+    loops: Loops,
 }
 
 /// The renderer on a graphics card, or on a software driver for one.
@@ -139,6 +142,7 @@ impl GpuRenderer {
         eye: Eye,
         band: Band,
         wanted: Wanted,
+        loops: &Loops,
     ) -> Result<SceneBuffers, RenderError> {
         let mounted = world.scene.rig.eye(eye).in_band(band);
         let tables = self.tables.of(world, &mounted);
@@ -155,15 +159,8 @@ impl GpuRenderer {
             .map(|snow| (snow, self.passes.snow(&self.device, upload.variant)));
         let halo = tables.halo.as_ref().map(|halo| {
             let passes = self.passes.halo(&self.device);
-            HaloEye::new(
-                &self.device,
-                passes,
-                layout,
-                upload.variant,
-                halo,
-                &mounted,
-                wanted,
-            )
+            let casts = passes.casts(device, layout, upload.variant);
+            HaloEye::new(device, passes, casts, halo, &mounted, wanted, loops)
         });
         Ok(SceneBuffers {
             group: tile::bind_group(&self.device.device, "scene", layout, &buffers),
@@ -279,6 +276,7 @@ impl GpuRenderer {
             progress,
         )?;
         self.spread(scenes, &mut eyes, times)?;
+        casting.loops.check(&self.device)?;
         progress(1.0);
         Ok(eyes)
     }
@@ -290,9 +288,10 @@ impl GpuRenderer {
         wanted: Wanted,
     ) -> Result<Casting, RenderError> {
         let tiles = self.tiles(world.scene)?;
+        let loops = Loops::new(&self.device)?;
         let scenes = [
-            self.bind(world, Eye::Left, band, wanted)?,
-            self.bind(world, Eye::Right, band, wanted)?,
+            self.bind(world, Eye::Left, band, wanted, &loops)?,
+            self.bind(world, Eye::Right, band, wanted, &loops)?,
         ];
         let is_spread = world.scene.mode == Mode::Full;
         let buffers = Eye::BOTH.map(|eye| {
@@ -300,12 +299,21 @@ impl GpuRenderer {
             let largest = of_eye.map(|(_, tile)| tile.pixels()).max().unwrap_or(0);
             let snow = scenes[eye as usize].snow.as_ref().map(|(snow, _)| snow);
             let device = &self.device;
-            TileBuffers::new(device, &self.passes, largest, is_spread, snow, wanted)
+            TileBuffers::new(
+                device,
+                &self.passes,
+                largest,
+                is_spread,
+                snow,
+                wanted,
+                &loops,
+            )
         });
         Ok(Casting {
             tiles,
             scenes,
             buffers,
+            loops,
         })
     }
 

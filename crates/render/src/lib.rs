@@ -105,6 +105,11 @@ pub enum RenderError {
         wanted: u64,
         found: u64,
     },
+    #[error(
+        "adapter {adapter}: steps of loops: expected as many as the scene takes, found that the driver ended them before (Mesa's \
+         software driver does after 65535 of an invocation); render with the cpu backend"
+    )]
+    LoopsCut { adapter: String },
     #[error("adapter {adapter}: {message}")]
     Device { adapter: String, message: String },
     #[error(

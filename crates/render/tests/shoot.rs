@@ -218,12 +218,12 @@ fn images_alone_come_back() {
         gpu.shoot(scene, &|_| ()).unwrap();
         gpu.bytes_read() - before
     };
-    // 851 pixels an eye, four at a time, and three words of the exposure.
+    // 851 pixels an eye, four at a time, three words of the exposure, and two of loops.
     let scene = tiny(shipped("paper.toml"));
-    assert_eq!(read(&scene), 2 * 213 * 12 + 12);
+    assert_eq!(read(&scene), 2 * 213 * 12 + 12 + 8);
     // Codes of a mosaic two at a time.
     let scene = tiny(mosaic(BayerPattern::Rggb, Demosaic::Malvar));
-    assert_eq!(read(&scene), 2 * (213 * 12 + 426 * 4) + 12);
+    assert_eq!(read(&scene), 2 * (213 * 12 + 426 * 4) + 12 + 8);
 }
 
 /// What the adapter does not do goes by way of a frame, to the byte, as the number of bytes read tells.

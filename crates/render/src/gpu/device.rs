@@ -9,7 +9,7 @@ use wgpu::{DeviceType, ErrorFilter};
 use crate::RenderError;
 
 /// Storage buffers that one pass binds.
-const STORAGE_BUFFERS: u32 = 22;
+const STORAGE_BUFFERS: u32 = 23;
 /// A submission is a tile; one that takes longer than this hangs.
 const LONGEST_WAIT: Duration = Duration::from_secs(600);
 

@@ -14,6 +14,7 @@ use wgpu::BufferUsages;
 use super::Wanted;
 use super::device::Gpu;
 use super::layout::{self, Vec4f};
+use super::loops::Loops;
 use super::passes::{PerVariant, Variant, entry, group, module, pipeline, storage};
 use super::tile::{Tile, TileBuffers, bind_group};
 use super::timer::{HALO, Timer, Times, WEIGH as WEIGH_STAGE};
@@ -27,6 +28,8 @@ use shape::{RUN_PX, Shape};
 /// Edge of the square of pixels of a workgroup, and invocations of one along a row.
 const SQUARE: u32 = 8;
 const ROW: u32 = 64;
+/// Cells of a workgroup that casts rays beyond the overscan.
+const FAR_CELLS: u32 = 4;
 
 /// The passes of the halo.
 #[derive(Debug)]
@@ -43,6 +46,9 @@ pub(super) struct HaloPasses {
     /// Those that cast rays: of the overscan, and beyond it.
     casts: PerVariant<[wgpu::ComputePipeline; 2]>,
 }
+
+/// The pipelines of [`CASTS`].
+type Casts = std::sync::Arc<[wgpu::ComputePipeline; 2]>;
 
 const CASTS: [Pass; 2] = [OVERSCAN, FAR];
 
@@ -62,7 +68,7 @@ impl HaloPasses {
             ..entry(binding, wgpu::BufferBindingType::Uniform)
         };
         let levels_group = group(d, "halo", &[uniform(0, false), uniform(1, true)]);
-        let image: Vec<_> = (0..7)
+        let image: Vec<_> = (0..8)
             .map(|binding| storage(binding, binding == 0))
             .collect();
         let image_group = group(d, "halo of an image", &image);
@@ -88,6 +94,22 @@ impl HaloPasses {
             blur: blur_group,
         }
     }
+
+    /// The pipelines of a variant that cast rays.
+    pub(super) fn casts(
+        &self,
+        device: &Gpu,
+        scene: &wgpu::BindGroupLayout,
+        variant: Variant,
+    ) -> Casts {
+        let layouts = [Some(scene), None, Some(&self.levels), Some(&self.image)];
+        self.casts.get(variant, || {
+            core::array::from_fn(|k| {
+                let (pass, module) = (CASTS[k], &self.modules[k]);
+                pipeline(&device.device, pass, module, &layouts, &variant.constants())
+            })
+        })
+    }
 }
 
 /// Buffers of the halo of an eye.
@@ -97,7 +119,7 @@ pub(super) struct HaloEye {
     level: u32,
     levels: wgpu::BindGroup,
     image: wgpu::BindGroup,
-    casts: std::sync::Arc<[wgpu::ComputePipeline; 2]>,
+    casts: Casts,
     /// Along rows and along columns, by level from 1.
     blurs: Vec<[wgpu::BindGroup; 2]>,
     pub(super) unspread: wgpu::Buffer,
@@ -112,11 +134,11 @@ impl HaloEye {
     pub(super) fn new(
         device: &Gpu,
         passes: &HaloPasses,
-        scene: &wgpu::BindGroupLayout,
-        variant: Variant,
+        casts: Casts,
         halo: &Halo,
         mounted: &MountedCamera,
         wanted: Wanted,
+        loops: &Loops,
     ) -> Result<Self, RenderError> {
         let d = &device.device;
         let i = mounted.camera.intrinsics();
@@ -237,21 +259,17 @@ impl HaloEye {
                 "halo of an image",
                 &passes.image,
                 &[
-                    &shares, &outside, &unspread, &one_px, &two_px, &runs, &cells,
+                    &shares,
+                    &outside,
+                    &unspread,
+                    &one_px,
+                    &two_px,
+                    &runs,
+                    &cells,
+                    &loops.buffer,
                 ],
             ),
-            casts: passes.casts.get(variant, || {
-                core::array::from_fn(|k| {
-                    let layouts = [Some(scene), None, Some(&passes.levels), Some(&passes.image)];
-                    pipeline(
-                        d,
-                        CASTS[k],
-                        &passes.modules[k],
-                        &layouts,
-                        &variant.constants(),
-                    )
-                })
-            }),
+            casts,
             blurs,
             unspread,
             back: back.transpose()?,
@@ -317,7 +335,7 @@ impl HaloEye {
                 self.bind_image(&mut pass, scene, at);
                 if self.shape.is_far(at) {
                     pass.set_pipeline(&self.casts[1]);
-                    pass.dispatch_workgroups(columns.div_ceil(SQUARE), rows.div_ceil(SQUARE), 1);
+                    pass.dispatch_workgroups(columns, rows.div_ceil(FAR_CELLS), 1);
                 }
                 let across = if level.is_wide() {
                     columns

@@ -219,6 +219,13 @@ pub(super) struct Indirect {
     pub(super) count: u32,
 }
 
+/// Whether the driver cut loops short; see `loops.wgsl`.
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub(super) struct Loops {
+    pub(super) steps: u32,
+    pub(super) are_cut: u32,
+}
+
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
 pub(super) struct HaloStrip {
     pub(super) at: Vec2i,
@@ -468,6 +475,7 @@ pub(super) mod tests {
             }
         );
         same!(&MARK, Indirect { x, y, z, count });
+        same!(&MARK, Loops { steps, are_cut });
         same!(
             &WEIGH,
             Flake {

@@ -20,7 +20,7 @@ const GROUP: u32 = 8;
 /// Storage buffers of the scene's group, after its uniform.
 const SCENE_BUFFERS: u32 = 13;
 /// Storage buffers of the tile's group, after its uniform.
-const TILE_BUFFERS: u32 = 8;
+const TILE_BUFFERS: u32 = 9;
 
 /// What is compiled into the passes of an eye; see `scene.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -178,6 +178,7 @@ impl GpuRenderer {
             }
             films[index].encode(&mut encoder, &passes.lens, &groups[index]);
         }
-        device.wait(device.queue.submit([encoder.finish()]))
+        device.queue.submit([encoder.finish()]);
+        casting.loops.check(device)
     }
 }

@@ -145,3 +145,31 @@ fn mesh_beyond_a_limit_is_refused_by_the_limit() {
         "{limit}"
     );
 }
+
+/// A ray through the hard-edged beams of 16 lamps, which no table holds, takes 65 536 points, more than Mesa's software driver
+/// walks through.
+#[test]
+fn loops_that_a_driver_cuts_are_an_error() {
+    let Some(renderer) = renderer() else { return };
+    let mut scene = scene();
+    for lamp in &mut scene.lamps {
+        lamp.inner_half_angle_rad = 0.02;
+        lamp.outer_half_angle_rad = 0.02;
+    }
+    scene.lamps = scene.lamps.iter().cycle().take(16).cloned().collect();
+    let mut cut = |points| {
+        scene.sampling.airlight_points = points;
+        let frame = renderer.render(&scene, &|_| ()).map(|_| ());
+        let image = renderer.shoot(&scene, &|_| ()).map(|_| ());
+        let is_cut = |result| match result {
+            Ok(()) => false,
+            Err(RenderError::LoopsCut { .. }) => true,
+            Err(error) => panic!("{error}"),
+        };
+        (is_cut(frame), is_cut(image))
+    };
+    assert_eq!(cut(256), (false, false));
+    if renderer.adapter().contains("llvmpipe") {
+        assert_eq!(cut(4096), (true, true));
+    }
+}

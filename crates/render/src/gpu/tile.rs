@@ -8,6 +8,7 @@ use wgpu::BufferUsages;
 use super::Wanted;
 use super::device::Gpu;
 use super::layout;
+use super::loops::Loops;
 use super::passes::{Passes, STAGES};
 use super::snow::{self, Snow};
 use super::timer::{SNOW, Timer, Times, WEIGH};
@@ -117,6 +118,7 @@ impl TileBuffers {
         is_spread: bool,
         snow: Option<&Snow>,
         wanted: Wanted,
+        loops: &Loops,
     ) -> Self {
         let d = &device.device;
         let buffer = |label, size, usage| {
@@ -171,7 +173,16 @@ impl TileBuffers {
                 "tile",
                 &passes.tile,
                 &[
-                    &uniform, &keys, &light, &surface, &edges, &sources, flakes, first, pairs,
+                    &uniform,
+                    &keys,
+                    &light,
+                    &surface,
+                    &edges,
+                    &sources,
+                    flakes,
+                    first,
+                    pairs,
+                    &loops.buffer,
                 ],
             ),
             written: bind("edge count, written", &passes.written, &[&indirect]),
