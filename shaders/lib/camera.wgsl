@@ -22,6 +22,8 @@ struct Camera {
     /// Beyond this the lens draws ghosts: r² of Brown and Conrady, θ of Kannala and Brandt.
     fold: f32,
     size_px: vec2<f32>,
+    /// How much less the tangents of rays, x/z and y/z, are than those of the lens's centre; zero without a distortion.
+    shift: vec2<f32>,
 }
 
 fn camera_distort_brown_conrady(camera: Camera, at: vec2<f32>) -> vec2<f32> {
@@ -101,22 +103,33 @@ fn camera_ray(lens: u32, camera: Camera, corner_px: vec2<f32>, inside_px: vec2<f
     let focal = vec2<f32>(camera.fx_px, camera.fy_px);
     let seen = ((corner_px - vec2<f32>(camera.cx_px, camera.cy_px)) + inside_px) / focal;
     if lens == CAMERA_BROWN_CONRADY {
-        return normalize(vec3<f32>(camera_undistort_brown_conrady(camera, seen), 1.0));
+        return normalize(vec3<f32>(camera_undistort_brown_conrady(camera, seen) - camera.shift, 1.0));
     }
     if lens == CAMERA_KANNALA_BRANDT {
         let wanted = length(seen);
         if wanted == 0.0 {
-            return vec3<f32>(0.0, 0.0, 1.0);
+            return normalize(vec3<f32>(-camera.shift, 1.0));
         }
         let turn = maths_sincos(camera_undistort_kannala_brandt(camera, wanted));
-        return vec3<f32>(seen / wanted * turn.x, turn.y);
+        let ray = vec3<f32>(seen / wanted * turn.x, turn.y);
+        if any(camera.shift != vec2<f32>(0.0)) {
+            return normalize(vec3<f32>(ray.xy / ray.z - camera.shift, 1.0));
+        }
+        return ray;
     }
     return normalize(vec3<f32>(seen, 1.0));
 }
 
 /// The pixel (xy) at which a point of the camera's frame is seen, and whether it is (z = 1) or not (z = 0).
-fn camera_project(lens: u32, camera: Camera, point_m: vec3<f32>) -> vec3<f32> {
+fn camera_project(lens: u32, camera: Camera, from_aperture_m: vec3<f32>) -> vec3<f32> {
     var seen = vec2<f32>(0.0);
+    var point_m = from_aperture_m;
+    if any(camera.shift != vec2<f32>(0.0)) {
+        if point_m.z <= 0.0 {
+            return vec3<f32>(0.0);
+        }
+        point_m = vec3<f32>(point_m.xy / point_m.z + camera.shift, 1.0);
+    }
     if lens == CAMERA_KANNALA_BRANDT {
         let r = length(point_m.xy);
         if r == 0.0 && point_m.z <= 0.0 {

@@ -48,6 +48,11 @@ pub enum CameraError {
     )]
     Folds { u_px: f64, v_px: f64 },
     #[error(
+        "the pixel ({u_px}, {v_px}) of the image: expected a ray that goes ahead, found one that goes sideways or backwards: no plane is in \
+         focus there"
+    )]
+    Sideways { u_px: f64, v_px: f64 },
+    #[error(
         "port: the pixel ({u_px}, {v_px}) of the image looks past the glass: its normal is turned too far from that corner's rays"
     )]
     PastPort { u_px: f64, v_px: f64 },
@@ -60,6 +65,8 @@ pub struct Camera {
     intrinsics: Intrinsics,
     distortion: Distortion,
     model: Model,
+    /// How much less the tangents of rays, x/z and y/z, are than those of the lens's centre.
+    shift: Pixel,
 }
 
 /// The distortion prepared for use: plane z = 1 ↔ distorted plane.
@@ -142,13 +149,16 @@ impl Camera {
             intrinsics,
             distortion,
             model,
+            shift: Pixel::zeros(),
         };
-        camera.refuse_folds()?;
+        if let Some((u_px, v_px)) = camera.blind_at() {
+            return Err(CameraError::Folds { u_px, v_px });
+        }
         Ok(camera)
     }
 
-    /// The border of the image is where a fold shows first.
-    fn refuse_folds(&self) -> Result<(), CameraError> {
+    /// A place of the image without a ray. The border is where a fold shows first.
+    fn blind_at(&self) -> Option<(f64, f64)> {
         let (width, height) = (
             f64::from(self.intrinsics.width_px),
             f64::from(self.intrinsics.height_px),
@@ -162,11 +172,11 @@ impl Camera {
                 (width, s * height),
             ] {
                 if self.ray(&Pixel::new(u_px, v_px)).is_none() {
-                    return Err(CameraError::Folds { u_px, v_px });
+                    return Some((u_px, v_px));
                 }
             }
         }
-        Ok(())
+        None
     }
 
     /// Size, focal lengths, principal point.
@@ -179,17 +189,28 @@ impl Camera {
         &self.distortion
     }
 
-    /// The same camera with its principal point moved by a shift in units of the focal lengths.
+    /// The same lens through another point than its centre: the tangents of its rays, x/z and y/z, are less by a shift. Without a
+    /// distortion that is a principal point elsewhere.
     ///
     /// # Errors
-    /// A distortion that folds the image now.
-    pub fn with_principal_point_shifted(&self, shift: &Pixel) -> Result<Self, CameraError> {
-        let intrinsics = Intrinsics {
-            cx_px: self.intrinsics.cx_px + self.intrinsics.fx_px * shift.x,
-            cy_px: self.intrinsics.cy_px + self.intrinsics.fy_px * shift.y,
-            ..self.intrinsics
-        };
-        Self::new(intrinsics, self.distortion)
+    /// A lens that sees sideways or backwards, where rays have no tangents.
+    pub fn with_rays_shifted(&self, shift: &Pixel) -> Result<Self, CameraError> {
+        let mut camera = *self;
+        if self.is_pinhole() {
+            camera.intrinsics.cx_px += self.intrinsics.fx_px * shift.x;
+            camera.intrinsics.cy_px += self.intrinsics.fy_px * shift.y;
+        } else {
+            camera.shift += shift;
+            if let Some((u_px, v_px)) = camera.blind_at() {
+                return Err(CameraError::Sideways { u_px, v_px });
+            }
+        }
+        Ok(camera)
+    }
+
+    /// How much less the tangents of rays are than those of the lens's centre; zero without a distortion.
+    pub fn shift(&self) -> &Pixel {
+        &self.shift
     }
 
     /// Whether straight rods are straight lines in the image.
@@ -210,31 +231,55 @@ impl Camera {
     /// The same camera without its distortion: the image that "undistorted" pixels live in.
     #[must_use]
     pub fn without_distortion(&self) -> Self {
+        let mut intrinsics = self.intrinsics;
+        intrinsics.cx_px += intrinsics.fx_px * self.shift.x;
+        intrinsics.cy_px += intrinsics.fy_px * self.shift.y;
         Self {
+            intrinsics,
             distortion: Distortion::None,
             model: Model::Pinhole,
-            ..*self
+            shift: Pixel::zeros(),
         }
+    }
+
+    /// A unit ray of the lens's centre as it is with its tangents shifted.
+    fn shifted(&self, ray: Vec3) -> Option<Vec3> {
+        if self.shift == Pixel::zeros() {
+            return Some(ray);
+        }
+        let tangents = ray.xy() / ray.z - self.shift;
+        (ray.z > 0.0).then(|| Vec3::new(tangents.x, tangents.y, 1.0).normalize())
+    }
+
+    /// The inverse: a direction, of any length, as the lens's centre has it.
+    fn unshifted(&self, direction: &Vec3) -> Option<Vec3> {
+        if self.shift == Pixel::zeros() {
+            return Some(*direction);
+        }
+        let tangents = direction.xy() / direction.z + self.shift;
+        (direction.z > 0.0).then(|| Vec3::new(tangents.x, tangents.y, 1.0))
     }
 
     /// The unit direction, in the camera frame, that is seen at `pixel`; `None` where the lens sees nothing.
     pub fn ray(&self, pixel: &Pixel) -> Option<Vec3> {
         let i = &self.intrinsics;
         let (xd, yd) = ((pixel.x - i.cx_px) / i.fx_px, (pixel.y - i.cy_px) / i.fy_px);
-        match &self.model {
+        let ray = match &self.model {
             Model::Pinhole => Some(Vec3::new(xd, yd, 1.0).normalize()),
             Model::BrownConrady(model) => model
                 .undistort(xd, yd)
                 .map(|(x, y)| Vec3::new(x, y, 1.0).normalize()),
             Model::KannalaBrandt(model) => model.ray(xd, yd),
-        }
+        };
+        self.shifted(ray?)
     }
 
     /// The pixel at which a point of the camera frame is seen (possibly outside the image); `None` behind the camera or
     /// beyond the angle at which the distortion folds.
     pub fn project(&self, point_m: &Vec3) -> Option<Pixel> {
+        let point_m = self.unshifted(point_m)?;
         let (xd, yd) = match &self.model {
-            Model::KannalaBrandt(model) => model.project(point_m)?,
+            Model::KannalaBrandt(model) => model.project(&point_m)?,
             // `!(…)` refuses NaN too.
             Model::Pinhole | Model::BrownConrady(_) if !(point_m.z > 0.0) => return None,
             Model::Pinhole => (point_m.x / point_m.z, point_m.y / point_m.z),
@@ -265,7 +310,7 @@ impl Camera {
     /// Unit normal, in the camera frame, of the plane through the camera centre and a line of the *undistorted* image:
     /// eqs (15) and (17) with `n = Kᵀ ℓ`, so that `fx ≠ fy` is right too. For `fx = fy = k` it is (`n_u`, `n_v`, −ρ̄) normalised.
     pub fn plane_normal(&self, line: &ImageLine) -> Vec3 {
-        let i = &self.intrinsics;
+        let i = self.without_distortion().intrinsics;
         let n = line.normal();
         Vec3::new(
             i.fx_px * n.x,
@@ -278,7 +323,7 @@ impl Camera {
     /// The line of the undistorted image in which a plane through the camera centre is seen; `None` for the plane
     /// parallel to the image. Inverse of [`plane_normal`](Self::plane_normal) up to the sign of the normal.
     pub fn image_line(&self, plane_normal: &Vec3) -> Option<ImageLine> {
-        let i = &self.intrinsics;
+        let i = self.without_distortion().intrinsics;
         let (a, b) = (plane_normal.x / i.fx_px, plane_normal.y / i.fy_px);
         let norm = libm::hypot(a, b);
         let rho = i.cx_px * a + i.cy_px * b - plane_normal.z;

@@ -173,6 +173,16 @@ impl Port {
         self.water_index
     }
 
+    /// The same port, in the frame of a camera that is elsewhere by so much.
+    pub(crate) fn seen_from(&self, aside_m: &Vec3) -> Self {
+        let mut port = *self;
+        match &mut port.shape {
+            PortShape::Flat(flat) => flat.distance_m -= flat.normal.dot(aside_m),
+            PortShape::Dome(dome) => dome.centre_m -= aside_m,
+        }
+        port
+    }
+
     fn indices(&self) -> Indices {
         Indices {
             glass: self.glass_index,

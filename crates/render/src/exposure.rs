@@ -4,7 +4,7 @@
 use core::f64::consts::PI;
 
 use rayon::prelude::*;
-use rodsight_geometry::{CameraFrame, Eye, Mat3, MountedCamera, Pixel, Pose, RigFrame, Vec3};
+use rodsight_geometry::{Eye, Mat3, MountedCamera, Pixel, Pose, RigFrame, Vec3};
 use rodsight_scene::{Aperture, Motion, Scene};
 
 use crate::exr_file::light_fields;
@@ -84,7 +84,7 @@ fn renders(scene: &Scene, frame: &Frame) -> Result<usize, RenderError> {
         let eye_frame = frame.eye(eye);
         let width = eye_frame.width_px as usize;
         let pixels = eye_frame.pixels.par_iter().enumerate();
-        let largest = pixels.map(|(index, truth)| {
+        let extremes = pixels.map(|(index, truth)| {
             let pixel = Pixel::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
             let motion_px = stages.map_or(0.0, |stages| {
                 let range_m = f64::from(truth.range_m).min(nearest_snow_m);
@@ -93,14 +93,19 @@ fn renders(scene: &Scene, frame: &Frame) -> Result<usize, RenderError> {
                     .map(|(from_m, along)| from_m + along * range_m);
                 point.map_or(0.0, |point_m| path_px(&stages, &point_m))
             });
-            let blur_px = scene.lens.aperture.map_or(0.0, |aperture| {
-                let fx_px = mounted.camera.intrinsics().fx_px;
-                aperture.blur_px(f64::from(truth.depth_m), fx_px)
-            });
-            (motion_px, blur_px)
+            let depth_m = f64::from(truth.depth_m);
+            (motion_px, depth_m, depth_m)
         });
-        let (motion, blur) = largest.reduce(|| (0.0, 0.0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
-        (motion_px, blur_px) = (motion_px.max(motion), blur_px.max(blur));
+        let (motion, nearest_m, farthest_m) = extremes.reduce(
+            || (0.0, f64::INFINITY, 0.0),
+            |a, b| (a.0.max(b.0), a.1.min(b.1), a.2.max(b.2)),
+        );
+        motion_px = motion_px.max(motion);
+        if let Some(aperture) = scene.lens.aperture {
+            for depth_m in [nearest_m, farthest_m] {
+                blur_px = blur_px.max(aperture.blur_px(mounted, depth_m));
+            }
+        }
     }
     let mut wanted = libm::ceil(2.0 * motion_px).max(1.0);
     if scene.lens.aperture.is_some() {
@@ -154,12 +159,14 @@ fn instant(scene: &Scene, index: usize, renders: usize) -> Result<Scene, RenderE
         let part = |step: f64| (0.5 + pair * step).fract();
         let radius_m = 0.5 * side * aperture.diameter_m() * part(0.754_877_666_246_692_7).sqrt();
         let (sin, cos) = libm::sincos(2.0 * PI * part(0.569_840_290_998_053_2));
-        let point_m = Vec3::new(radius_m * cos, radius_m * sin, 0.0);
+        let point_m = Pixel::new(radius_m * cos, radius_m * sin);
         for mounted in [&mut scene.rig.left, &mut scene.rig.right] {
-            through(mounted, &point_m, aperture.focus_m).map_err(|error| RenderError::Lens {
-                scene: scene.id.clone(),
-                message: error.to_string(),
-            })?;
+            *mounted = mounted
+                .through(&point_m, aperture.focus_m)
+                .map_err(|error| RenderError::Lens {
+                    scene: scene.id.clone(),
+                    message: error.to_string(),
+                })?;
         }
     }
     if let Some(motion) = scene.motion {
@@ -172,19 +179,6 @@ fn instant(scene: &Scene, index: usize, renders: usize) -> Result<Scene, RenderE
         }
     }
     Ok(scene)
-}
-
-/// Moves a camera to a point of its own aperture, and its image so that the plane in focus stays where it is.
-fn through(
-    mounted: &mut MountedCamera,
-    point_m: &Vec3,
-    focus_m: f64,
-) -> Result<(), rodsight_geometry::CameraError> {
-    let aside = Pose::<CameraFrame, CameraFrame>::new(Mat3::identity(), *point_m);
-    mounted.rig_from_camera = mounted.rig_from_camera * aside;
-    let shift = point_m.xy() / focus_m;
-    mounted.camera = mounted.camera.with_principal_point_shifted(&shift)?;
-    Ok(())
 }
 
 /// The rig's pose at a time from the middle of the exposure, in its own frame then.

@@ -12,7 +12,8 @@ mod common;
 use core::f64::consts::PI;
 use core::sync::atomic::{AtomicUsize, Ordering};
 
-use rodsight_geometry::{Eye, Vec3};
+use rodsight_geometry::port::{FlatPort, Port, PortShape};
+use rodsight_geometry::{Camera, Distortion, Eye, Vec3};
 use rodsight_render::{CpuRenderer, EyeFrame, Frame, RenderError, Renderer, expose};
 use rodsight_scene::{Aperture, EdgeSampling, Lens, Material, Motion, Scene, Snow};
 
@@ -111,8 +112,8 @@ fn a_limb_out_of_focus_is_the_edge_spread_of_a_disc_and_does_not_move() {
     let limb_px = FX_PX * libm::tan(angle);
     let depth_m = reach_m * libm::cos(angle);
     assert!(touch_m < distance2.sqrt());
-    // A |z − s| / z · f / (s − f), over the pixel f / fx.
-    let blur_px = 0.06 * (FOCUS_M - depth_m) / depth_m * FX_PX / (FOCUS_M - 0.06);
+    // A |1/z − 1/s|, times fx.
+    let blur_px = 0.06 * (1.0 / depth_m - 1.0 / FOCUS_M) * FX_PX;
     assert!(blur_px > 3.0, "{blur_px}");
     for eye in Eye::BOTH {
         let (blurred, still) = (exposed(&with_aperture(scene.clone())), sharp(&scene));
@@ -170,6 +171,43 @@ fn what_is_in_focus_stays_sharp_and_light_is_kept() {
             .fold(0.0, f32::max)
     };
     assert!(peak(&blurred) < peak(&still), "it is blurred at all");
+}
+
+/// The largest change of a pixel of the left image by an aperture of f/1.5.
+fn change(scene: &Scene, focus_m: f64) -> f32 {
+    let mut open = with_aperture(scene.clone());
+    let aperture = open.lens.aperture.as_mut().unwrap();
+    (aperture.f_number, aperture.focus_m) = (1.5, focus_m);
+    let (open, still) = (exposed(&open), sharp(scene));
+    let pairs = open.left.pixels.iter().zip(&still.left.pixels);
+    let changes = pairs.map(|(a, b)| (a.radiance[0] - b.radiance[0]).abs());
+    changes.fold(0.0, f32::max)
+}
+
+/// Through a real lens, and through one behind a port, what is in focus is as sharp as through a pinhole. Focused on where the
+/// port makes it seem to be, it is not.
+#[test]
+fn distortion_and_ports_leave_sharp_what_is_in_focus() {
+    let mut scene = rod(FOCUS_M, 0.02);
+    for mounted in [&mut scene.rig.left, &mut scene.rig.right] {
+        let lens = Distortion::BrownConrady([-0.2, 0.05, 0.001, -0.002, 0.0]);
+        mounted.camera = Camera::new(*mounted.camera.intrinsics(), lens).unwrap();
+    }
+    let (in_focus, behind) = (change(&scene, FOCUS_M), change(&scene, 0.75 * FOCUS_M));
+    assert!(in_focus < 0.02 && behind > 0.05, "{in_focus} {behind}");
+    // On the axis of the left camera, its limbs at the borders of pixels.
+    scene.rods[0].radius_m = 0.023;
+    scene.rods[0].centre_m.y = scene.rig.left.rig_from_camera.origin_m().y;
+    for mounted in [&mut scene.rig.left, &mut scene.rig.right] {
+        let plate = PortShape::Flat(FlatPort {
+            normal: Vec3::z(),
+            distance_m: 0.05,
+            thickness_m: 0.01,
+        });
+        mounted.port = Some(Port::new(plate, Port::ACRYLIC, [1.34; 3]).unwrap());
+    }
+    let (in_focus, behind) = (change(&scene, FOCUS_M), change(&scene, FOCUS_M / 1.34));
+    assert!(in_focus < 0.02 && behind > 0.05, "{in_focus} {behind}");
 }
 
 /// A rod in focus before a bright wall that is not: blur layer by layer would smear the wall over the limb.

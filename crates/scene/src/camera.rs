@@ -1,7 +1,7 @@
 //! What stands between radiance and the image files, beyond exposure and noise. What is typed is what is meant, so that these
 //! types are those of the file and of the scene at once; the checks are here.
 
-use rodsight_geometry::{Vec3, radians};
+use rodsight_geometry::{MountedCamera, Vec3, radians};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -98,7 +98,7 @@ pub struct Aperture {
     pub f_number: f64,
     /// Focal length.
     pub focal_length_m: f64,
-    /// Depth (z in the camera's frame) of the plane that is sharp.
+    /// Depth (z in the camera's frame) of the plane that is sharp: behind a port, that of the point on the optical axis, in the water.
     pub focus_m: f64,
 }
 
@@ -166,15 +166,16 @@ impl Aperture {
         self.focal_length_m / self.f_number
     }
 
-    /// Diameter of the circle of confusion of a point at a depth, px: A |z − s| / z · f / (s − f) over the size of a pixel, with A the
-    /// aperture and s the depth in focus.
-    pub fn blur_px(&self, depth_m: f64, fx_px: f64) -> f64 {
-        let off = if depth_m.is_finite() {
-            (depth_m - self.focus_m).abs() / depth_m
-        } else {
-            1.0
+    /// Diameter of the circle of confusion of a point on the axis, px: A fx |1/z − 1/s|, with A the diameter of the aperture, z the
+    /// depth of the point and s that in focus, as far as they seem to be in air. (A calibrated fx is that of the lens as it is focused.)
+    pub fn blur_px(&self, mounted: &MountedCamera, depth_m: f64) -> f64 {
+        let per_m = |depth_m: f64| -> f64 {
+            let there = Some(depth_m).filter(|depth_m| depth_m.is_finite());
+            let in_air_m = there.and_then(|depth_m| mounted.apparent_depth_m(depth_m));
+            in_air_m.map_or(0.0, |depth_m| 1.0 / depth_m)
         };
-        self.diameter_m() * off * fx_px / (self.focus_m - self.focal_length_m)
+        let off_per_m = (per_m(depth_m) - per_m(self.focus_m)).abs();
+        self.diameter_m() * off_per_m * mounted.camera.intrinsics().fx_px
     }
 }
 

@@ -1,6 +1,6 @@
 //! What only the whole scene can tell: rods behind the cameras, cameras and lamps where they cannot be.
 
-use rodsight_geometry::{Eye, Vec3};
+use rodsight_geometry::{Eye, Pixel, Vec3};
 
 use crate::error::Complaints;
 use crate::{Lamp, Scene, SceneError};
@@ -55,19 +55,18 @@ pub(crate) fn check_placement(scene: &Scene, no: &Complaints<'_>) -> Result<(), 
             ));
         }
     }
-    if let Some(eye) = Eye::BOTH
-        .into_iter()
-        .find(|&eye| !scene.rig.eye(eye).is_pinhole())
-        && scene.lens.aperture.is_some()
-    {
-        return Err(no.value(
-            "lens.aperture",
-            "cameras without distortion or port: what is in focus behind those is not modelled",
-            format!(
-                "a {} camera with one; lens.psf_sigma_px blurs any image",
-                eye.name()
-            ),
-        ));
+    if let Some(aperture) = scene.lens.aperture {
+        let rim_m = 0.5 * aperture.diameter_m();
+        let rim_m = [[rim_m, 0.0], [-rim_m, 0.0], [0.0, rim_m], [0.0, -rim_m]].map(Pixel::from);
+        for (eye, point_m) in Eye::BOTH.iter().flat_map(|eye| rim_m.map(|at| (eye, at))) {
+            if let Err(error) = scene.rig.eye(*eye).through(&point_m, aperture.focus_m) {
+                return Err(no.value(
+                    "lens.aperture",
+                    "a lens that sees ahead, and only water, from the rim of its aperture too",
+                    format!("the {} camera: {error}", eye.name()),
+                ));
+            }
+        }
     }
     for (k, occluder) in scene.occluders.iter().enumerate() {
         let inside = |point_m: &Vec3| occluder.shape.contains(point_m);

@@ -193,7 +193,7 @@ rod = "cable" ~ rod = "cable"\nnear_m = [2.3, 0, 0]\nalong_m = 0 ~ target ~ at m
 rod = "cable" ~ rod = "cable"\npick_eye = "lefft" ~ target.pick_eye ~ did you mean `left` ~ lefft
 [target] ~ [sensor.emva]\nfull_well_e = 1e4\nread_noise_e = 2\ndark_e = 1e4\nprnu = 0\ndsnu_e = 0\nadc_bits = 12\n[target] ~ sensor.emva.dark_e ~ less than the full well (10000) ~ 10000
 position_m = [0.1, -0.9, -1.35] ~ position_m = [0.1, -0.9, 0.5] ~ lamp[0].position_m ~ z above the seabed, less than 0.5 ~ 0.5
-rig_file = "rigs/paper.toml" ~ rig_file = "rigs/flat_port.toml"\nlens = { aperture = { f_number = 4, focal_length_m = 0.008, focus_m = 2 } } ~ lens.aperture ~ cameras without distortion or port ~ a left camera with one
+rig_file = "rigs/paper.toml" ~ rig_file = "rigs/flat_port.toml"\nlens = { aperture = { f_number = 4, focal_length_m = 0.008, focus_m = 0.02 } } ~ lens.aperture ~ a lens that sees ahead, and only water ~ the left camera: focus_m: expected a depth in the water
 [seabed] ~ [sea_bed] ~ sea_bed ~ did you mean `seabed` ~ sea_bed
 "#;
 

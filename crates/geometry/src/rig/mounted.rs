@@ -1,7 +1,7 @@
 //! A camera where it sits on the rig, behind its port if it has one.
 
 use crate::port::{Band, Port, WaterRay};
-use crate::{Camera, CameraFrame, Cylinder, Pixel, Pose, RigFrame, Side, Vec3};
+use crate::{Camera, CameraError, CameraFrame, Cylinder, Mat3, Pixel, Pose, RigFrame, Side, Vec3};
 
 /// A camera and where it sits on the rig. Without a port it is an ideal camera in the water: its rays are those of the water. With
 /// one, `camera` is the camera in air, and there is no single centre of projection in the water.
@@ -51,6 +51,54 @@ impl MountedCamera {
             port: self.port.map(|port| port.in_band(band)),
             ..self
         }
+    }
+
+    /// How far off in air a point on the optical axis, at a depth in the water, seems to be: where its pencil of light would come
+    /// from, m. Of the two directions across the axis, which a tilted port focuses apart, the mean of 1/m. Without a port the depth
+    /// itself; `None` for one that is not in the water.
+    pub fn apparent_depth_m(&self, depth_m: f64) -> Option<f64> {
+        /// As small as pencils are, and large enough for its square to keep half the digits.
+        const ASIDE_M: f64 = 1e-4;
+        let Some(port) = &self.port else {
+            return (depth_m > 0.0).then_some(depth_m);
+        };
+        let axis = port.water_ray(&Vec3::z())?;
+        let along_m = (depth_m - axis.origin_m.z) / axis.direction.z;
+        let point_m = axis.origin_m + axis.direction * along_m;
+        let per_m = [Vec3::x(), Vec3::y()].map(|across| {
+            let tangent = |aside_m: Vec3| {
+                let air = port
+                    .seen_from(&aside_m)
+                    .air_direction(&(point_m - aside_m))?;
+                Some(air.dot(&across) / air.z)
+            };
+            Some((tangent(-across * ASIDE_M)? - tangent(across * ASIDE_M)?) / (2.0 * ASIDE_M))
+        });
+        let nearness_per_m = 0.5 * (per_m[0]? + per_m[1]?);
+        (along_m > 0.0 && nearness_per_m > 0.0).then(|| 1.0 / nearness_per_m)
+    }
+
+    /// The camera as a point of its aperture sees, aside of its centre: what is in focus, at a depth on the optical axis, it sees where
+    /// the centre does. The port stays where it is on the rig.
+    ///
+    /// # Errors
+    /// A plane in focus that is not in the water, a lens that sees sideways, a point that sees past the port.
+    pub fn through(&self, aside_m: &Pixel, focus_m: f64) -> Result<Self, CameraError> {
+        let in_air_m = self.apparent_depth_m(focus_m).ok_or(CameraError::Value {
+            key: "focus_m",
+            expected: "a depth in the water before the port",
+            found: focus_m,
+        })?;
+        let aside = Pose::<CameraFrame, CameraFrame>::new(Mat3::identity(), aside_m.push(0.0));
+        let mounted = Self {
+            camera: self.camera.with_rays_shifted(&(aside_m / in_air_m))?,
+            rig_from_camera: self.rig_from_camera * aside,
+            port: self.port.map(|port| port.seen_from(&aside.origin_m())),
+        };
+        if let Some(port) = &mounted.port {
+            port.refuse_blind(&mounted.camera)?;
+        }
+        Ok(mounted)
     }
 
     /// The ray in the water, in the rig frame, that is seen at a pixel.

@@ -88,6 +88,7 @@ pub(super) struct Camera {
     pub(super) p: Vec2f,
     pub(super) fold: f32,
     pub(super) size_px: Vec2f,
+    pub(super) shift: Vec2f,
 }
 
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
@@ -343,7 +344,8 @@ pub(super) mod tests {
                 k,
                 p,
                 fold,
-                size_px
+                size_px,
+                shift
             }
         );
         same!(

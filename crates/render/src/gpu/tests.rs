@@ -156,7 +156,7 @@ fn loops_that_a_driver_cuts_are_an_error() {
         lamp.inner_half_angle_rad = 0.02;
         lamp.outer_half_angle_rad = 0.02;
     }
-    scene.lamps = scene.lamps.iter().cycle().take(16).cloned().collect();
+    scene.lamps = scene.lamps.iter().cycle().take(16).copied().collect();
     let mut cut = |points| {
         scene.sampling.airlight_points = points;
         let frame = renderer.render(&scene, &|_| ()).map(|_| ());

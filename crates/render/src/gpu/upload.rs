@@ -279,6 +279,7 @@ pub(super) fn camera(mounted: &MountedCamera, from_m: &Vec3) -> layout::Camera {
         p: p.into(),
         fold: mounted.camera.fold().min(1e30) as f32,
         size_px: [f64::from(i.width_px), f64::from(i.height_px)].into(),
+        shift: <[f64; 2]>::from(*mounted.camera.shift()).into(),
     }
 }
 

@@ -74,7 +74,7 @@ impl Place {
         let radius_m = particle.radius_m / (1.0 - (particle.radius_m / range_m).powi(2)).sqrt();
         let blur_m = scene.lens.aperture.map_or(0.0, |aperture| {
             let depth_m = mounted.rig_from_camera.inverse().point(&centre_m).z;
-            0.5 * aperture.blur_px(depth_m, i.fx_px) * area_m2.sqrt()
+            0.5 * aperture.blur_px(mounted, depth_m) * area_m2.sqrt()
         });
         // Of uniform discs: their variances add.
         let disc_m = (radius_m * radius_m + blur_m * blur_m).sqrt();

@@ -89,21 +89,46 @@ fn lens(index: usize) -> Camera {
     Camera::new(i, distortion).unwrap()
 }
 
-/// How many numbers tell a lens: fx fy cx cy, k, p, fold, index, size.
-const LENS: usize = 14;
+/// How many numbers tell a lens: fx fy cx cy, k, p, fold, index, size, shift.
+const LENS: usize = 16;
+/// Added to the index of a lens that is seen through another point than its centre.
+const ASIDE: usize = 10;
+
+/// The lens of a row.
+fn lens_of(x: &[f64]) -> Camera {
+    let shift = Pixel::new(x[LENS - 2], x[LENS - 1]);
+    lens(x[11] as usize).with_rays_shifted(&shift).unwrap()
+}
 
 /// Every row, after the numbers of every lens.
 fn seen_by(lenses: &[usize], rows: &[Vec<f32>]) -> Vec<Vec<f32>> {
     let numbers = |&index: &usize| -> Vec<f32> {
-        let camera = lens(index);
+        let camera = lens(index % ASIDE);
+        let shift = if index < ASIDE {
+            [0.0; 2]
+        } else {
+            [0.031, -0.022]
+        };
         let i = *camera.intrinsics();
         let (k, p) = match *camera.distortion() {
             Distortion::None => ([0.0; 4], [0.0; 2]),
             Distortion::BrownConrady([k1, k2, p1, p2, k3]) => ([k1, k2, k3, 0.0], [p1, p2]),
             Distortion::KannalaBrandt(k) => (k, [0.0; 2]),
         };
-        let of_lens = [camera.fold().min(1e30), index as f64, 240.0, 136.0];
-        let all = [&[i.fx_px, i.fy_px, i.cx_px, i.cy_px][..], &k, &p, &of_lens].concat();
+        let of_lens = [
+            camera.fold().min(1e30),
+            (index % ASIDE) as f64,
+            240.0,
+            136.0,
+        ];
+        let all = [
+            &[i.fx_px, i.fy_px, i.cx_px, i.cy_px][..],
+            &k,
+            &p,
+            &of_lens,
+            &shift,
+        ]
+        .concat();
         all.into_iter().map(|v| v as f32).collect()
     };
     let lenses = lenses.iter().map(numbers);
@@ -123,7 +148,7 @@ macro_rules! with_camera {
             "let camera = Camera(vec3<f32>(0.9553365, 0.2955202, 0.0), x(0u), ",
             "vec3<f32>(-0.24390256, 0.7884752, 0.5646425), x(1u), ",
             "vec3<f32>(0.16686328, -0.5394298, 0.8253356), x(2u), vec3<f32>(0.0), x(3u), ",
-            "vec4<f32>(v(4u), x(7u)), vec2<f32>(x(8u), x(9u)), x(10u), vec2<f32>(x(12u), x(13u)));\n",
+            "vec4<f32>(v(4u), x(7u)), vec2<f32>(x(8u), x(9u)), x(10u), vec2<f32>(x(12u), x(13u)), vec2<f32>(x(14u), x(15u)));\n",
             $body
         )
     };
@@ -136,7 +161,7 @@ fn lenses() -> Vec<Row> {
         Row {
             name: "camera_distort_brown_conrady",
             body: with_camera!(
-                "let r = camera_distort_brown_conrady(camera, vec2<f32>(x(14u), x(15u))); y(0u, r.x); y(1u, r.y);"
+                "let r = camera_distort_brown_conrady(camera, vec2<f32>(x(16u), x(17u))); y(0u, r.x); y(1u, r.y);"
             ),
             inputs: seen_by(&[1], &on_plane),
             twin: Box::new(|x| {
@@ -152,7 +177,7 @@ fn lenses() -> Vec<Row> {
         Row {
             name: "camera_undistort_brown_conrady",
             body: with_camera!(
-                "let r = camera_undistort_brown_conrady(camera, vec2<f32>(x(14u), x(15u))); y(0u, r.x); y(1u, r.y);"
+                "let r = camera_undistort_brown_conrady(camera, vec2<f32>(x(16u), x(17u))); y(0u, r.x); y(1u, r.y);"
             ),
             inputs: seen_by(&[1], &on_plane),
             twin: Box::new(|x| {
@@ -166,7 +191,7 @@ fn lenses() -> Vec<Row> {
         },
         Row {
             name: "camera_distorted_angle",
-            body: with_camera!("y(0u, camera_distorted_angle(camera, x(14u)));"),
+            body: with_camera!("y(0u, camera_distorted_angle(camera, x(16u)));"),
             inputs: seen_by(&[2], &angles),
             twin: Box::new(|x| {
                 let (sin, cos) = libm::sincos(x[LENS]);
@@ -179,7 +204,7 @@ fn lenses() -> Vec<Row> {
         },
         Row {
             name: "camera_undistort_kannala_brandt",
-            body: with_camera!("y(0u, camera_undistort_kannala_brandt(camera, x(14u)));"),
+            body: with_camera!("y(0u, camera_undistort_kannala_brandt(camera, x(16u)));"),
             inputs: seen_by(&[2], &angles),
             twin: Box::new(|x| {
                 let ray = lens(2)
@@ -194,10 +219,10 @@ fn lenses() -> Vec<Row> {
         Row {
             name: "camera_ray",
             body: with_camera!(
-                "w(0u, camera_ray(u32(x(11u)), camera, vec2<f32>(x(14u), x(15u)), vec2<f32>(x(16u), 0.25)));"
+                "w(0u, camera_ray(u32(x(11u)), camera, vec2<f32>(x(16u), x(17u)), vec2<f32>(x(18u), 0.25)));"
             ),
             inputs: seen_by(
-                &[0, 1, 2],
+                &[0, 1, 2, ASIDE + 1, ASIDE + 2],
                 &grid(&[
                     &steps(0.0, 239.0, 49),
                     &steps(0.0, 135.0, 35),
@@ -206,11 +231,7 @@ fn lenses() -> Vec<Row> {
             ),
             twin: Box::new(|x| {
                 let pixel = Pixel::new(x[LENS] + x[LENS + 2], x[LENS + 1] + 0.25);
-                lens(x[11] as usize)
-                    .ray(&pixel)
-                    .unwrap()
-                    .as_slice()
-                    .to_vec()
+                lens_of(x).ray(&pixel).unwrap().as_slice().to_vec()
             }),
             relative: 0.0,
             absolute: 3e-7,
@@ -219,10 +240,10 @@ fn lenses() -> Vec<Row> {
         Row {
             name: "camera_project",
             body: with_camera!(
-                "let r = camera_project(u32(x(11u)), camera, v(14u)); w(0u, select(vec3<f32>(0.0), r, r.z > 0.0));"
+                "let r = camera_project(u32(x(11u)), camera, v(16u)); w(0u, select(vec3<f32>(0.0), r, r.z > 0.0));"
             ),
             inputs: seen_by(
-                &[0, 1, 2],
+                &[0, 1, 2, ASIDE + 1, ASIDE + 2],
                 &grid(&[
                     &steps(-1.1, 1.3, 25),
                     &steps(-1.3, 1.1, 25),
@@ -230,7 +251,7 @@ fn lenses() -> Vec<Row> {
                 ]),
             ),
             twin: Box::new(|x| {
-                let seen = lens(x[11] as usize).project(&vec3(x, LENS));
+                let seen = lens_of(x).project(&vec3(x, LENS));
                 seen.map_or(vec![0.0; 3], |p| vec![p.x, p.y, 1.0])
             }),
             relative: 4e-7,
@@ -240,7 +261,7 @@ fn lenses() -> Vec<Row> {
         Row {
             name: "lens_vignetting",
             body: with_camera!(
-                "y(0u, lens_vignetting(u32(x(11u)), camera, vec2<f32>(-0.5, 0.125), vec2<f32>(x(14u), x(15u))));"
+                "y(0u, lens_vignetting(u32(x(11u)), camera, vec2<f32>(-0.5, 0.125), vec2<f32>(x(16u), x(17u))));"
             ),
             inputs: seen_by(
                 &[0, 1, 2],
@@ -261,7 +282,7 @@ fn frames() -> Vec<Row> {
     vec![
         Row {
             name: "camera_to_rig",
-            body: with_camera!("w(0u, camera_to_rig(camera, v(14u)));"),
+            body: with_camera!("w(0u, camera_to_rig(camera, v(16u)));"),
             inputs: seen_by(&[0], &random(3, 500, 3)),
             twin: Box::new(|x| {
                 let v = RIGHT * x[LENS] + DOWN * x[LENS + 1] + FORWARD * x[LENS + 2];
@@ -273,7 +294,7 @@ fn frames() -> Vec<Row> {
         },
         Row {
             name: "camera_from_rig",
-            body: with_camera!("w(0u, camera_from_rig(camera, v(14u)));"),
+            body: with_camera!("w(0u, camera_from_rig(camera, v(16u)));"),
             inputs: seen_by(&[0], &random(4, 500, 3)),
             twin: Box::new(|x| {
                 [RIGHT, DOWN, FORWARD]
@@ -287,7 +308,7 @@ fn frames() -> Vec<Row> {
         Row {
             name: "camera_contains",
             body: with_camera!(
-                "y(0u, select(0.0, 1.0, camera_contains(camera, vec2<f32>(x(14u), x(15u)))));"
+                "y(0u, select(0.0, 1.0, camera_contains(camera, vec2<f32>(x(16u), x(17u)))));"
             ),
             inputs: seen_by(
                 &[0],
