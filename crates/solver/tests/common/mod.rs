@@ -79,6 +79,8 @@ pub struct Scene {
     pub bits: u8,
     /// Unit vector towards a far lamp: matt rods in linear light, stored as sRGB. Absent: rods of one flat colour.
     pub lamp: Option<Vec3>,
+    /// Another, as bright.
+    pub second_lamp: Option<Vec3>,
     /// Samples per pixel and axis on the silhouettes.
     pub samples: u32,
 }
@@ -96,6 +98,7 @@ impl Scene {
             channels: 3,
             bits: 8,
             lamp: None,
+            second_lamp: None,
             samples: 8,
         }
     }
@@ -114,7 +117,9 @@ impl Scene {
             let from_axis = origin + direction * near - rod.axis.point_m;
             let along = from_axis.dot(&rod.axis.direction);
             let normal = (from_axis - rod.axis.direction * along) / rod.radius_m;
-            let light = self.lamp.map_or(1.0, |lamp| normal.dot(&lamp).max(0.0));
+            let of = |lamp: &Vec3| normal.dot(lamp).max(0.0);
+            let both = self.lamp.iter().chain(&self.second_lamp).map(of);
+            let light = self.lamp.map_or(1.0, |_| both.sum());
             (near > 0.0 && along.abs() <= self.half_length_m).then_some((near, light))
         });
         met.min_by(|a, b| a.0.total_cmp(&b.0))

@@ -1,0 +1,62 @@
+//! The colours by which each limb stands out.
+
+use rodsight_geometry::{Cylinder, MountedCamera};
+
+use super::bands::blocks;
+use super::climb::noise_of;
+use super::light::Light;
+
+/// Of both limbs (plus, minus) of an eye the axis of colours along which light steps most over its noise: Fisher's discriminant with
+/// channels taken for independent.
+pub(crate) fn axes(
+    eye: usize,
+    mounted: &MountedCamera,
+    light: &Light,
+    cylinder: &Cylinder,
+) -> Option<[[f64; 3]; 2]> {
+    let channels = light.planes.len();
+    let mut found = [[0.0; 3]; 2];
+    for channel in 0..channels {
+        let mut unit = [0.0; 3];
+        unit[channel] = 1.0;
+        let blocks = blocks(eye, mounted, light, &[unit; 2], cylinder, 5.0)?;
+        let noise = noise_of(&blocks, eye, 2e-4);
+        for (side, axis) in found.iter_mut().enumerate() {
+            let cuts = blocks
+                .iter()
+                .flat_map(|block| &block.rows)
+                .filter_map(|row| row.cuts[side].as_ref());
+            let mut steps: Vec<f64> = cuts
+                .filter_map(|cut| {
+                    let mean = |from_px: f64, to_px: f64| {
+                        let (mut sum, mut count) = (0.0, 0.0);
+                        for (k, value) in cut.values.iter().enumerate() {
+                            let inside_px = cut.inwards * (cut.first_px + k as f64);
+                            if (from_px..to_px).contains(&inside_px) {
+                                sum += value;
+                                count += 1.0;
+                            }
+                        }
+                        (count > 0.0).then(|| sum / count)
+                    };
+                    Some(mean(0.7, 3.0)? - mean(-5.0, -1.0)?)
+                })
+                .collect();
+            if steps.is_empty() {
+                continue;
+            }
+            let middle = steps.len() / 2;
+            let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+            axis[channel] = *median / (noise.inside + noise.outside);
+        }
+    }
+    let unit = |axis: [f64; 3]| {
+        let length = axis.iter().map(|v| v * v).sum::<f64>().sqrt();
+        if length > 0.0 {
+            axis.map(|v| v / length)
+        } else {
+            [1.0, 0.0, 0.0]
+        }
+    };
+    Some(found.map(unit))
+}

@@ -1,0 +1,393 @@
+//! The best we can do: limbs found without a threshold in all colours, then one fit of the rod to the pixels of both images.
+//!
+//! `sums` finds edges in all colours at once, `strip` pairs them, `pair` matches strips of both eyes; `trace` and `contrast` look
+//! closer; `bands`, `spread` and `fit` are the likelihood of a rod, `climb` its maximum, `judge` its covariance and redundancies. Each
+//! limb has its own axis of colours and its own light inside: lamps beside the cameras end in shadows that no one profile across
+//! the rod holds.
+//!
+//! Not in it yet: bent, striped and overgrown rods; rods whose limb lies in its own lamp's shadow (the limb is taken to be where the
+//! light begins, and the covariance does not know it); ports; more than two views; speed.
+
+mod bands;
+mod climb;
+mod contrast;
+mod fit;
+mod judge;
+mod light;
+mod pair;
+mod refusal;
+mod spread;
+mod strip;
+mod sums;
+mod trace;
+
+use std::time::Instant;
+
+use nalgebra::SVector;
+use rodsight_geometry::{Eye, PaperGrasp, Pixel, Vec3, angle_between, surface_foot};
+
+use crate::{AxisEstimate, Centerlines, Estimate, GraspEstimate, Request, SolveError, Status};
+use climb::{Fit, Prior};
+use fit::{ROD, State};
+use judge::Judgement;
+use light::Light;
+use pair::Candidate;
+use refusal::Refusal;
+use strip::Strip;
+
+/// Edges of an image that are paired.
+const EDGES: usize = 48;
+/// Strips of an image that are paired with the other's.
+const STRIPS: usize = 12;
+/// The longest side of a region as it is searched.
+const COARSE_PX: usize = 256;
+/// Where a depth is worth nothing.
+const MOST_RELATIVE_DEPTH_SIGMA: f64 = 0.1;
+/// Rods that are fitted in turn until one fits, and what is likely enough of the likeliest to be tried.
+const TRIED: usize = 6;
+const LEAST_SHARE: f64 = 0.2;
+/// Shares of the rows that do not look as a rod's: a warning, and a refusal.
+const WARN_HIDDEN: f64 = 0.25;
+const MOST_HIDDEN: f64 = 0.6;
+/// Another rod that is as likely as this is a warning.
+const RUNNER_UP: f64 = 0.8;
+/// Redundancies that disagree by more are a warning, and a refusal.
+const WARN_CHI2: f64 = 16.3;
+const REFUSE_CHI2: f64 = 200.0;
+
+/// What was seen in one image.
+struct Seen {
+    light: Light,
+    strips: Vec<Strip>,
+    factor: usize,
+}
+
+/// A rod that was fitted.
+struct Located {
+    fit: Fit,
+    judgement: Judgement,
+    prior: Option<Prior>,
+}
+
+/// Locates the rod.
+///
+/// # Errors
+/// A malformed request. A rod that cannot be located is a refused [`Estimate`].
+pub fn solve(request: &Request<'_>) -> Result<Estimate, SolveError> {
+    request.validate()?;
+    let start = Instant::now();
+    let mut estimate = Estimate::refused("joint", String::new());
+    match locate(request, &mut estimate) {
+        Ok(()) if estimate.observability.warnings.is_empty() => {
+            estimate.status = Status::Ok;
+            estimate.reason = None;
+        }
+        Ok(()) => {
+            estimate.status = Status::Degraded;
+            estimate.reason = Some(estimate.observability.warnings.join("; "));
+        }
+        Err(refusal) => {
+            estimate.reason = Some(refusal.to_string());
+            estimate.observability.refusal = Some(refusal.code().to_owned());
+        }
+    }
+    estimate.timing_ms.total = start.elapsed().as_secs_f64() * 1e3;
+    Ok(estimate)
+}
+
+fn see(request: &Request<'_>, eye: Eye) -> Result<Seen, Refusal> {
+    let roi = request.roi(eye);
+    let light = Light::of(request.image(eye), roi);
+    let pick = request
+        .pick
+        .filter(|pick| pick.eye == eye)
+        .map(|pick| pick.pixel - Pixel::new(roi.x_px.into(), roi.y_px.into()));
+    let factor = light.width.max(light.height).div_ceil(COARSE_PX).max(1);
+    let binned = light.binned(factor);
+    let floor = 2e-4 / factor as f64;
+    let edges = sums::edges(&binned, EDGES, floor);
+    let strips = strip::strips(&edges, &binned, pick.as_ref(), STRIPS);
+    if strips.is_empty() {
+        return Err(if pick.is_some() {
+            Refusal::PickOffStrip { eye: eye.name() }
+        } else {
+            Refusal::NoPair { eye: eye.name() }
+        });
+    }
+    Ok(Seen {
+        light,
+        strips,
+        factor,
+    })
+}
+
+fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal> {
+    let start = Instant::now();
+    let seen = [see(request, Eye::Left)?, see(request, Eye::Right)?];
+    let lights = [&seen[0].light, &seen[1].light];
+    let rig = &request.pair.rig;
+    let candidates = pair::candidates(
+        rig,
+        lights,
+        [&seen[0].strips, &seen[1].strips],
+        request.radius,
+        [seen[0].factor, seen[1].factor],
+    );
+    estimate.timing_ms.pair = start.elapsed().as_secs_f64() * 1e3;
+    let start = Instant::now();
+    let parallel = pair::parallel(rig, lights, [&seen[0].strips, &seen[1].strips]);
+    if request.radius.is_none() && parallel > candidates.first().map_or(0.0, |best| best.score) {
+        return Err(Refusal::ParallelToBaseline);
+    }
+    let best = candidates.first().ok_or(Refusal::NoRod)?;
+    let mut located: Option<(&Candidate, Located)> = None;
+    for candidate in candidates.iter().take(TRIED) {
+        if candidate.score < LEAST_SHARE * best.score {
+            break;
+        }
+        let Some(found) = fitted(request, lights, candidate) else {
+            continue;
+        };
+        let is_good = found.fit.converged && found.fit.rows_kept > 1.0 - WARN_HIDDEN;
+        let worth = |found: &Located| (found.fit.converged, found.fit.rows_kept);
+        if located
+            .as_ref()
+            .is_none_or(|(_, other)| worth(&found) > worth(other))
+        {
+            located = Some((candidate, found));
+        }
+        if is_good {
+            break;
+        }
+    }
+    let (chosen, found) = located.ok_or(Refusal::Lost)?;
+    let other = candidates.iter().find(|other| !is_same(other, chosen));
+    let o = &mut estimate.observability;
+    o.runner_up_ratio = other.map(|other| other.score / best.score.max(f64::MIN_POSITIVE));
+    if let Some(ratio) = o.runner_up_ratio.filter(|ratio| *ratio > RUNNER_UP) {
+        o.warnings.push(format!(
+            "another rod is nearly as likely ({ratio:.2}): point at the one that is meant, or give regions"
+        ));
+    }
+    estimate.timing_ms.locate = start.elapsed().as_secs_f64() * 1e3;
+    give(request, estimate, &found)
+}
+
+/// Whether the one is seen where the other is, in both images.
+fn is_same(a: &Candidate, b: &Candidate) -> bool {
+    let mut pairs = a.strips.iter().zip(&b.strips);
+    pairs.all(|(a, b)| a.holds(&b.middle_px) || b.holds(&a.middle_px))
+}
+
+/// Follows the limbs of a candidate and climbs to the likeliest rod.
+fn fitted(request: &Request<'_>, lights: [&Light; 2], candidate: &Candidate) -> Option<Located> {
+    let rig = &request.pair.rig;
+    let mut strips = candidate.strips;
+    for (k, strip) in strips.iter_mut().enumerate() {
+        let axis = strip.edges[0].axis;
+        let towards = strip.edges[0].normal.dot(&strip.edges[1].normal).signum();
+        for (side, edge) in strip.edges.iter_mut().enumerate() {
+            let polarity = if side == 0 { 1.0 } else { -towards };
+            let traced = trace::trace(lights[k], edge, &axis, polarity, 14)
+                .and_then(|t| trace::trace(lights[k], &t, &axis, polarity, 8));
+            if let Some(traced) = traced {
+                *edge = traced;
+            }
+        }
+    }
+    let known = request.radius.map(|prior| prior.radius_m);
+    let (cylinder, _) = pair::cylinder(rig, lights, [&strips[0], &strips[1]], None)
+        .or_else(|| pair::cylinder(rig, lights, [&strips[0], &strips[1]], known))?;
+    let prior = request.radius.map(|prior| Prior {
+        radius_m: prior.radius_m,
+        sigma_m: prior.sigma_m.unwrap_or(1e-6).max(1e-6),
+    });
+    let mut state = State::new(cylinder, 0.1);
+    let mut fit = None;
+    let axes = [
+        contrast::axes(0, &rig.left, lights[0], &cylinder)?,
+        contrast::axes(1, &rig.right, lights[1], &cylinder)?,
+    ];
+    // Again where the limbs turned out to be.
+    for _ in 0..2 {
+        let mut blocks = Vec::new();
+        for (k, eye) in Eye::BOTH.into_iter().enumerate() {
+            let (mounted, light) = (rig.eye(eye), lights[k]);
+            blocks.extend(bands::blocks(
+                k,
+                mounted,
+                light,
+                &axes[k],
+                &state.cylinder,
+                bands::INSIDE_PX,
+            )?);
+        }
+        if blocks.len() < 4 {
+            return None;
+        }
+        let floor = 1.0 / 255.0 / 12.0_f64.sqrt() * 0.3;
+        let noise = [0, 1].map(|k| climb::noise_of(&blocks, k, floor));
+        let found = climb::climb(state, &mut blocks, &noise, prior)?;
+        state = found.state;
+        fit = Some(found);
+    }
+    let fit = fit?;
+    let judgement = judge::judge(&fit, prior)?;
+    Some(Located {
+        fit,
+        judgement,
+        prior,
+    })
+}
+
+fn give(
+    request: &Request<'_>,
+    estimate: &mut Estimate,
+    Located {
+        fit,
+        judgement,
+        prior,
+    }: &Located,
+) -> Result<(), Refusal> {
+    let rig = &request.pair.rig;
+    let state = &fit.state;
+    let mut cylinder = state.cylinder;
+    if cylinder.axis.direction[cylinder.axis.direction.iamax()] < 0.0 {
+        cylinder.axis.direction = -cylinder.axis.direction;
+    }
+    let between =
+        0.5 * (rig.left.rig_from_camera.origin_m() + rig.right.rig_from_camera.origin_m());
+    let depth_m = (state.cylinder.axis.point_m - between).norm();
+    let towards = (state.cylinder.axis.point_m - between) / depth_m;
+    let ray = request
+        .pick
+        .and_then(|pick| rig.eye(pick.eye).ray(&pick.pixel));
+    // Point, direction, grasp by the rod's parameters.
+    let quantities = |state: &State| -> Option<SVector<f64, 10>> {
+        let mut all = SVector::<f64, 10>::zeros();
+        let axis = &state.cylinder.axis;
+        let turned = axis.direction.dot(&cylinder.axis.direction).signum();
+        all.fixed_rows_mut::<3>(0).copy_from(&axis.foot(&between));
+        all.fixed_rows_mut::<3>(3)
+            .copy_from(&(axis.direction * turned));
+        if let Some((from_m, along)) = &ray {
+            let foot = surface_foot(&state.cylinder, from_m, along);
+            let paper = || PaperGrasp::new(axis, from_m, along).map(|grasp| grasp.point_m);
+            let grasp = foot.or_else(|| paper().ok())?;
+            all.fixed_rows_mut::<3>(6).copy_from(&grasp);
+        }
+        all[9] = (axis.foot(&between) - between).dot(&towards);
+        Some(all)
+    };
+    let covariance = &judgement.covariance;
+    let mut jacobian = nalgebra::SMatrix::<f64, 10, ROD>::zeros();
+    for k in 0..ROD {
+        let mut step = SVector::zeros();
+        step[k] = 0.1 * covariance[(k, k)].max(0.0).sqrt().clamp(1e-9, 1e-3);
+        let (more, less) = (
+            quantities(&state.moved(&step)),
+            quantities(&state.moved(&-step)),
+        );
+        if let (Some(more), Some(less)) = (more, less) {
+            jacobian.set_column(k, &((more - less) / (2.0 * step[k])));
+        }
+    }
+    let all = jacobian * covariance * jacobian.transpose();
+    let here = quantities(state).ok_or(Refusal::Lost)?;
+    let o = &mut estimate.observability;
+    // Of the reference point, which the images see, along the line of sight.
+    let of_point = |k: usize| state.across[k].dot(&towards);
+    let depth_variance: f64 = (0..2)
+        .flat_map(|i| (0..2).map(move |j| (i, j)))
+        .map(|(i, j)| of_point(i) * of_point(j) * covariance[(i, j)])
+        .sum();
+    let depth_sigma_m = depth_variance.max(0.0).sqrt();
+    o.depth_m = Some(depth_m);
+    o.depth_sigma_m = Some(depth_sigma_m);
+    let direction_sigma: f64 = (3..6).map(|i| all[(i, i)]).sum();
+    o.direction_sigma_rad = Some(direction_sigma.max(0.0).sqrt());
+    let angle = angle_between(&cylinder.axis.direction, &rig.baseline());
+    let angle = angle.min(core::f64::consts::PI - angle);
+    o.baseline_angle_rad = Some(angle);
+    let line = |eye: Eye| {
+        let mounted = rig.eye(eye);
+        let lines = cylinder.image_lines(&mounted.camera, &mounted.rig_from_camera)?;
+        Some(lines[2])
+    };
+    estimate.centerlines = Some(Centerlines {
+        left: line(Eye::Left),
+        right: line(Eye::Right),
+    });
+    let direction: [f64; 3] = cylinder.axis.direction.into();
+    let relative_percent = 100.0 * depth_sigma_m / depth_m;
+    if !(depth_sigma_m <= MOST_RELATIVE_DEPTH_SIGMA * depth_m) {
+        estimate.axis = Some(AxisEstimate {
+            direction: Some(direction),
+            ..AxisEstimate::default()
+        });
+        return Err(if angle < 0.1 {
+            Refusal::ParallelToBaseline
+        } else {
+            Refusal::DepthUncertain { relative_percent }
+        });
+    }
+    let (chi2, redundancies) = (judgement.chi2, judgement.redundancies);
+    if chi2 > REFUSE_CHI2 {
+        return Err(Refusal::Contradiction { chi2, redundancies });
+    }
+    if chi2 > WARN_CHI2 {
+        o.warnings.push(format!(
+            "the limbs agree badly with one rod (χ² = {chi2:.0} of {redundancies} redundancies)"
+        ));
+    }
+    if !fit.converged {
+        return Err(Refusal::Restless);
+    }
+    let hidden = 1.0 - fit.rows_kept;
+    if hidden > MOST_HIDDEN {
+        return Err(Refusal::Misfit {
+            percent: 100.0 * hidden,
+        });
+    }
+    if hidden > WARN_HIDDEN {
+        o.warnings.push(format!(
+            "{:.0} % of the limbs are not those of a straight round rod: hidden, overgrown or bent",
+            100.0 * hidden
+        ));
+    }
+    estimate.axis = Some(AxisEstimate {
+        point_m: Some(here.fixed_rows::<3>(0).into_owned().into()),
+        direction: Some(direction),
+        covariance: Some(core::array::from_fn(|i| {
+            core::array::from_fn(|j| all[(i, j)])
+        })),
+    });
+    estimate.radius_m = Some(cylinder.radius_m);
+    let sigma_m = covariance[(ROD - 1, ROD - 1)].max(0.0).sqrt();
+    estimate.radius_sigma_m = Some(prior.map_or(sigma_m, |prior| prior.sigma_m.min(sigma_m)));
+    let Some((from_m, along)) = ray else {
+        return Ok(());
+    };
+    let paper = PaperGrasp::new(&cylinder.axis, &from_m, &along).map_err(|error| {
+        Refusal::PickUnusable {
+            detail: error.to_string(),
+        }
+    })?;
+    o.pick_gap_m = Some(paper.gap_m);
+    let radii = paper.gap_m / cylinder.radius_m;
+    if radii > 1.5 {
+        return Err(Refusal::PickOffRod {
+            gap_m: paper.gap_m,
+            radii,
+        });
+    }
+    let foot = surface_foot(&cylinder, &from_m, &along).unwrap_or(paper.point_m);
+    estimate.grasp = Some(GraspEstimate {
+        point_m: Some(foot.into()),
+        covariance_m2: Some(core::array::from_fn(|i| {
+            core::array::from_fn(|j| all[(6 + i, 6 + j)])
+        })),
+        paper_point_m: Some(Vec3::into(paper.point_m)),
+    });
+    Ok(())
+}

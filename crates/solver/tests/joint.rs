@@ -1,0 +1,139 @@
+//! The joint method on images of another renderer: matt rods between two far lamps.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::allow_attributes,
+    reason = "a test that cannot go on panics"
+)]
+
+mod common;
+
+use common::{Scene, offset_m, pick_at, refused, rig_of, rod};
+use rodsight_geometry::{
+    Cylinder, Distortion, Eye, Image, Rig, Samples, StereoPair, Vec3, angle_between,
+};
+use rodsight_solver::{Estimate, RadiusPrior, Request, Status, joint};
+
+/// A rod between two lamps, which light both of its limbs.
+fn lit(truth: Cylinder) -> Scene {
+    let mut scene = Scene::new(&rig(), vec![truth]);
+    let lamp = |aside: f64| Some(Vec3::new(-0.5, aside, -0.15).normalize());
+    (scene.lamp, scene.second_lamp) = (lamp(-0.9), lamp(0.9));
+    scene.rod_colour = [0.6, 0.3, 0.06];
+    scene.background = [0.02, 0.05, 0.08];
+    scene.samples = 16;
+    scene
+}
+
+fn rig() -> Rig {
+    rig_of(1280, 720, 1566.5776 / 1.5, Distortion::None)
+}
+
+fn solved(pair: &StereoPair, truth: Option<&Cylinder>) -> Estimate {
+    let pick = truth.map(|truth| pick_at(&pair.rig, Eye::Left, &truth.axis.point_m));
+    let request = Request {
+        pick,
+        ..Request::new(pair)
+    };
+    joint::solve(&request).unwrap()
+}
+
+/// Rods across the view, upright, oblique and thick.
+fn rods() -> [Cylinder; 3] {
+    [
+        rod([1.5, 0.05, 0.0], [0.3, 0.3, 1.0], 0.05),
+        rod([1.5, 0.05, 0.0], [0.0, 0.02, 1.0], 0.05),
+        rod([2.0, -0.1, 0.05], [-0.8, 0.2, 1.0], 0.12),
+    ]
+}
+
+#[test]
+fn rods_are_located_to_a_tenth_of_a_pixel() {
+    for truth in rods() {
+        let pair = lit(truth).pair();
+        for picked in [Some(&truth), None] {
+            let estimate = solved(&pair, picked);
+            // That the same edges pair up in another way may be a warning.
+            assert_ne!(estimate.status, Status::Refused, "{:?}", estimate.reason);
+            let direction = Vec3::from(estimate.axis.unwrap().direction.unwrap());
+            let angle = angle_between(&direction, &truth.axis.direction);
+            let angle_deg = angle.min(core::f64::consts::PI - angle).to_degrees();
+            let offset_mm = 1e3 * offset_m(&estimate, &truth);
+            let radius_mm = 1e3 * (estimate.radius_m.unwrap() - truth.radius_m);
+            println!("{offset_mm:.3} mm, {angle_deg:.4}°, radius {radius_mm:+.3} mm");
+            // A tenth of a pixel of disparity of this rig is 0.22 mm at 1.5 m.
+            assert!(offset_mm < 0.2, "{offset_mm} mm: {truth:?}");
+            assert!(angle_deg < 0.02, "{angle_deg}°: {truth:?}");
+            assert!(radius_mm.abs() < 0.1, "{radius_mm} mm: {truth:?}");
+        }
+    }
+}
+
+/// What noise does is within what the covariance says, and no image is better than it says by far.
+#[test]
+fn covariances_hold_under_noise() {
+    let truth = rods()[0];
+    let mut squares = 0.0;
+    let runs = 8;
+    for seed in 0..runs {
+        let mut scene = lit(truth);
+        scene.noise_sigma = 0.02;
+        scene.seed = 100 + seed;
+        let estimate = solved(&scene.pair(), Some(&truth));
+        let sigma_m = estimate.observability.depth_sigma_m.unwrap();
+        let off = offset_m(&estimate, &truth) / sigma_m;
+        println!("{off:.2} sigma of {:.3} mm", 1e3 * sigma_m);
+        squares += off * off / runs as f64;
+    }
+    assert!(squares < 3.0, "{squares}");
+}
+
+/// A known radius that is right changes little, and its covariance shrinks.
+#[test]
+fn a_known_radius_is_used() {
+    let truth = rods()[0];
+    let pair = lit(truth).pair();
+    let request = Request {
+        radius: Some(RadiusPrior {
+            radius_m: truth.radius_m,
+            sigma_m: Some(1e-5),
+        }),
+        ..Request::new(&pair)
+    };
+    let estimate = joint::solve(&request).unwrap();
+    assert!((estimate.radius_m.unwrap() - truth.radius_m).abs() < 3e-5);
+    assert!(estimate.radius_sigma_m.unwrap() <= 1e-5);
+    assert!(offset_m(&estimate, &truth) < 4e-4);
+}
+
+#[test]
+fn images_without_a_rod_are_refused() {
+    let blank = || Image::new(1280, 720, 3, Samples::U8(vec![90; 1280 * 720 * 3])).unwrap();
+    let pair = StereoPair::new(rig(), blank(), blank()).unwrap();
+    refused(&solved(&pair, None), "no_pair");
+    let mut random = common::Random::new(7);
+    let mut noise = || {
+        let values = (0..1280 * 720 * 3).map(|_| (128.0 + 20.0 * random.normal()) as u8);
+        Image::new(1280, 720, 3, Samples::U8(values.collect())).unwrap()
+    };
+    let pair = StereoPair::new(rig(), noise(), noise()).unwrap();
+    let estimate = solved(&pair, None);
+    assert_eq!(estimate.status, Status::Refused, "{estimate:?}");
+}
+
+#[test]
+fn a_rod_along_the_baseline_is_refused_as_such() {
+    let truth = rod([1.5, 0.0, 0.1], [0.0, 1.0, 0.0], 0.05);
+    let pair = lit(truth).pair();
+    refused(&solved(&pair, Some(&truth)), "parallel_to_baseline");
+}
+
+/// Exchanged eyes see the rod behind the cameras or none at all.
+#[test]
+fn exchanged_images_are_refused() {
+    let truth = rods()[0];
+    let pair = lit(truth).pair();
+    let exchanged = StereoPair::new(pair.rig, pair.right, pair.left).unwrap();
+    let estimate = solved(&exchanged, None);
+    assert_eq!(estimate.status, Status::Refused, "{estimate:?}");
+}
