@@ -125,12 +125,9 @@ impl<'a> Request<'a> {
     /// Checks the request against its own images.
     ///
     /// # Errors
-    /// A region or a pick outside its image, a radius that is no length, or a rig with ports.
+    /// A region or a pick outside its image, or a radius that is no length.
     pub fn validate(&self) -> Result<(), SolveError> {
         for eye in Eye::BOTH {
-            if self.pair.rig.eye(eye).port.is_some() {
-                return Err(SolveError::Port { eye: eye.name() });
-            }
             let (image, roi) = (self.image(eye), self.roi(eye));
             let end = |start: u32, length: u32| u64::from(start) + u64::from(length);
             let fits = roi.width_px > 0
@@ -175,6 +172,20 @@ impl<'a> Request<'a> {
     }
 }
 
+impl Request<'_> {
+    /// Checks that limbs are straight lines once the lens is undone.
+    ///
+    /// # Errors
+    /// A rig with ports.
+    pub(crate) fn refuse_ports(&self) -> Result<(), SolveError> {
+        let behind = |eye: &Eye| self.pair.rig.eye(*eye).port.is_some();
+        match Eye::BOTH.into_iter().find(behind) {
+            Some(eye) => Err(SolveError::Port { eye: eye.name() }),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Why a request cannot be worked on: it is malformed. A rod that cannot be found is no error but a refused estimate.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -199,7 +210,7 @@ pub enum SolveError {
         u_px: f64,
         v_px: f64,
     },
-    /// Every method of this version takes limbs for straight lines once the lens is undone.
+    /// The paper's methods take limbs for straight lines once the lens is undone.
     #[error(
         "rig: expected cameras with one centre of projection, found {eye}.port: behind glass straight rods are seen bent; leave the port out and calibrate focal length and distortion in water (exact at one distance only)"
     )]

@@ -1,25 +1,48 @@
 //! The colours by which each limb stands out.
 
-use rodsight_geometry::{Cylinder, MountedCamera};
+use rodsight_geometry::{Band, Cylinder, MountedCamera};
 
-use super::bands::blocks;
+use super::bands::{INSIDE_PX, blocks};
 use super::climb::noise_of;
 use super::light::Light;
 
-/// Of both limbs (plus, minus) of an eye the axis of colours along which light steps most over its noise: Fisher's discriminant with
-/// channels taken for independent.
-pub(crate) fn axes(
+/// How an eye is looked through.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct View {
+    pub(crate) mounted: MountedCamera,
+    /// Of both limbs (plus, minus) the axis of colours along which light steps most over its noise.
+    pub(crate) axes: [[f64; 3]; 2],
+}
+
+/// Fisher's discriminant of each limb, with channels taken for independent. Behind a port that parts the bands only that of one band is
+/// at one place: the band that steps most.
+pub(crate) fn view(
     eye: usize,
     mounted: &MountedCamera,
     light: &Light,
     cylinder: &Cylinder,
-) -> Option<[[f64; 3]; 2]> {
+) -> Option<View> {
     let channels = light.planes.len();
     let mut found = [[0.0; 3]; 2];
+    let mut worth = [0.0; 3];
+    let in_band = |channel: usize| {
+        if channels == 3 && mounted.disperses() {
+            mounted.in_band(Band::ALL[channel])
+        } else {
+            *mounted
+        }
+    };
     for channel in 0..channels {
         let mut unit = [0.0; 3];
         unit[channel] = 1.0;
-        let blocks = blocks(eye, mounted, light, &[unit; 2], cylinder, 5.0)?;
+        let blocks = blocks(
+            eye,
+            &in_band(channel),
+            light,
+            &[unit; 2],
+            cylinder,
+            INSIDE_PX,
+        )?;
         let noise = noise_of(&blocks, eye, 2e-4);
         for (side, axis) in found.iter_mut().enumerate() {
             let cuts = blocks
@@ -48,6 +71,7 @@ pub(crate) fn axes(
             let middle = steps.len() / 2;
             let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
             axis[channel] = *median / (noise.inside + noise.outside);
+            worth[channel] += *median * axis[channel];
         }
     }
     let unit = |axis: [f64; 3]| {
@@ -58,5 +82,17 @@ pub(crate) fn axes(
             [1.0, 0.0, 0.0]
         }
     };
-    Some(found.map(unit))
+    if !mounted.disperses() || channels == 1 {
+        return Some(View {
+            mounted: *mounted,
+            axes: found.map(unit),
+        });
+    }
+    let best = (0..3).max_by(|a, b| worth[*a].total_cmp(&worth[*b]))?;
+    let mut axis = [0.0; 3];
+    axis[best] = 1.0;
+    Some(View {
+        mounted: in_band(best),
+        axes: [axis; 2],
+    })
 }

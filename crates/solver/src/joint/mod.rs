@@ -6,7 +6,7 @@
 //! the rod holds.
 //!
 //! Not in it yet: bent, striped and overgrown rods; rods whose limb lies in its own lamp's shadow (the limb is taken to be where the
-//! light begins, and the covariance does not know it); ports; more than two views; speed.
+//! light begins, and the covariance does not know it); more than two views; speed.
 
 mod bands;
 mod climb;
@@ -204,22 +204,23 @@ fn fitted(request: &Request<'_>, lights: [&Light; 2], candidate: &Candidate) -> 
     });
     let mut state = State::new(cylinder, 0.1);
     let mut fit = None;
-    let axes = [
-        contrast::axes(0, &rig.left, lights[0], &cylinder)?,
-        contrast::axes(1, &rig.right, lights[1], &cylinder)?,
+    let views = [
+        contrast::view(0, &rig.left, lights[0], &cylinder)?,
+        contrast::view(1, &rig.right, lights[1], &cylinder)?,
     ];
     // Again where the limbs turned out to be.
     for _ in 0..2 {
         let mut blocks = Vec::new();
-        for (k, eye) in Eye::BOTH.into_iter().enumerate() {
-            let (mounted, light) = (rig.eye(eye), lights[k]);
+        for (k, (view, light)) in views.iter().zip(lights).enumerate() {
+            let (mounted, axes) = (&view.mounted, &view.axes);
+            let inside_px = bands::INSIDE_PX;
             blocks.extend(bands::blocks(
                 k,
                 mounted,
                 light,
-                &axes[k],
+                axes,
                 &state.cylinder,
-                bands::INSIDE_PX,
+                inside_px,
             )?);
         }
         if blocks.len() < 4 {
@@ -311,6 +312,9 @@ fn give(
     o.baseline_angle_rad = Some(angle);
     let line = |eye: Eye| {
         let mounted = rig.eye(eye);
+        if mounted.port.is_some() {
+            return None;
+        }
         let lines = cylinder.image_lines(&mounted.camera, &mounted.rig_from_camera)?;
         Some(lines[2])
     };

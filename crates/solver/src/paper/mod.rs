@@ -89,6 +89,7 @@ pub fn solve_traced(
 ) -> Result<(Estimate, Trace), SolveError> {
     params.validate()?;
     request.validate()?;
+    request.refuse_ports()?;
     let start = Instant::now();
     let [left, right] = eye::see_both(request, params);
     let (mut estimate, choice) = answer::answer(request, method, params, [&left, &right]);
