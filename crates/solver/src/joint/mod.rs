@@ -8,6 +8,7 @@
 //! Not in it yet: bent, striped and overgrown rods; rods whose limb lies in its own lamp's shadow (the limb is taken to be where the
 //! light begins, and the covariance does not know it); more than two views; speed.
 
+mod answer;
 mod bands;
 mod climb;
 mod contrast;
@@ -23,12 +24,12 @@ mod trace;
 
 use std::time::Instant;
 
-use nalgebra::SVector;
-use rodsight_geometry::{Eye, PaperGrasp, Pixel, Vec3, angle_between, surface_foot};
+use rodsight_geometry::{Eye, Pixel};
 
-use crate::{AxisEstimate, Centerlines, Estimate, GraspEstimate, Request, SolveError, Status};
+use crate::{Estimate, Request, SolveError, Status};
+use answer::give;
 use climb::{Fit, Prior};
-use fit::{ROD, State};
+use fit::State;
 use judge::Judgement;
 use light::Light;
 use pair::Candidate;
@@ -41,19 +42,11 @@ const EDGES: usize = 48;
 const STRIPS: usize = 12;
 /// The longest side of a region as it is searched.
 const COARSE_PX: usize = 256;
-/// Where a depth is worth nothing.
-const MOST_RELATIVE_DEPTH_SIGMA: f64 = 0.1;
 /// Rods that are fitted in turn until one fits, and what is likely enough of the likeliest to be tried.
 const TRIED: usize = 6;
 const LEAST_SHARE: f64 = 0.2;
-/// Shares of the rows that do not look as a rod's: a warning, and a refusal.
-const WARN_HIDDEN: f64 = 0.25;
-const MOST_HIDDEN: f64 = 0.6;
 /// Another rod that is as likely as this is a warning.
 const RUNNER_UP: f64 = 0.8;
-/// Redundancies that disagree by more are a warning, and a refusal.
-const WARN_CHI2: f64 = 16.3;
-const REFUSE_CHI2: f64 = 200.0;
 
 /// What was seen in one image.
 struct Seen {
@@ -148,7 +141,7 @@ fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal>
         let Some(found) = fitted(request, lights, candidate) else {
             continue;
         };
-        let is_good = found.fit.converged && found.fit.rows_kept > 1.0 - WARN_HIDDEN;
+        let is_good = found.fit.converged && found.fit.rows_kept > 1.0 - answer::WARN_HIDDEN;
         let worth = |found: &Located| (found.fit.converged, found.fit.rows_kept);
         if located
             .as_ref()
@@ -239,159 +232,4 @@ fn fitted(request: &Request<'_>, lights: [&Light; 2], candidate: &Candidate) -> 
         judgement,
         prior,
     })
-}
-
-fn give(
-    request: &Request<'_>,
-    estimate: &mut Estimate,
-    Located {
-        fit,
-        judgement,
-        prior,
-    }: &Located,
-) -> Result<(), Refusal> {
-    let rig = &request.pair.rig;
-    let state = &fit.state;
-    let mut cylinder = state.cylinder;
-    if cylinder.axis.direction[cylinder.axis.direction.iamax()] < 0.0 {
-        cylinder.axis.direction = -cylinder.axis.direction;
-    }
-    let between =
-        0.5 * (rig.left.rig_from_camera.origin_m() + rig.right.rig_from_camera.origin_m());
-    let depth_m = (state.cylinder.axis.point_m - between).norm();
-    let towards = (state.cylinder.axis.point_m - between) / depth_m;
-    let ray = request
-        .pick
-        .and_then(|pick| rig.eye(pick.eye).ray(&pick.pixel));
-    // Point, direction, grasp by the rod's parameters.
-    let quantities = |state: &State| -> Option<SVector<f64, 10>> {
-        let mut all = SVector::<f64, 10>::zeros();
-        let axis = &state.cylinder.axis;
-        let turned = axis.direction.dot(&cylinder.axis.direction).signum();
-        all.fixed_rows_mut::<3>(0).copy_from(&axis.foot(&between));
-        all.fixed_rows_mut::<3>(3)
-            .copy_from(&(axis.direction * turned));
-        if let Some((from_m, along)) = &ray {
-            let foot = surface_foot(&state.cylinder, from_m, along);
-            let paper = || PaperGrasp::new(axis, from_m, along).map(|grasp| grasp.point_m);
-            let grasp = foot.or_else(|| paper().ok())?;
-            all.fixed_rows_mut::<3>(6).copy_from(&grasp);
-        }
-        all[9] = (axis.foot(&between) - between).dot(&towards);
-        Some(all)
-    };
-    let covariance = &judgement.covariance;
-    let mut jacobian = nalgebra::SMatrix::<f64, 10, ROD>::zeros();
-    for k in 0..ROD {
-        let mut step = SVector::zeros();
-        step[k] = 0.1 * covariance[(k, k)].max(0.0).sqrt().clamp(1e-9, 1e-3);
-        let (more, less) = (
-            quantities(&state.moved(&step)),
-            quantities(&state.moved(&-step)),
-        );
-        if let (Some(more), Some(less)) = (more, less) {
-            jacobian.set_column(k, &((more - less) / (2.0 * step[k])));
-        }
-    }
-    let all = jacobian * covariance * jacobian.transpose();
-    let here = quantities(state).ok_or(Refusal::Lost)?;
-    let o = &mut estimate.observability;
-    // Of the reference point, which the images see, along the line of sight.
-    let of_point = |k: usize| state.across[k].dot(&towards);
-    let depth_variance: f64 = (0..2)
-        .flat_map(|i| (0..2).map(move |j| (i, j)))
-        .map(|(i, j)| of_point(i) * of_point(j) * covariance[(i, j)])
-        .sum();
-    let depth_sigma_m = depth_variance.max(0.0).sqrt();
-    o.depth_m = Some(depth_m);
-    o.depth_sigma_m = Some(depth_sigma_m);
-    let direction_sigma: f64 = (3..6).map(|i| all[(i, i)]).sum();
-    o.direction_sigma_rad = Some(direction_sigma.max(0.0).sqrt());
-    let angle = angle_between(&cylinder.axis.direction, &rig.baseline());
-    let angle = angle.min(core::f64::consts::PI - angle);
-    o.baseline_angle_rad = Some(angle);
-    let line = |eye: Eye| {
-        let mounted = rig.eye(eye);
-        if mounted.port.is_some() {
-            return None;
-        }
-        let lines = cylinder.image_lines(&mounted.camera, &mounted.rig_from_camera)?;
-        Some(lines[2])
-    };
-    estimate.centerlines = Some(Centerlines {
-        left: line(Eye::Left),
-        right: line(Eye::Right),
-    });
-    let direction: [f64; 3] = cylinder.axis.direction.into();
-    let relative_percent = 100.0 * depth_sigma_m / depth_m;
-    if !(depth_sigma_m <= MOST_RELATIVE_DEPTH_SIGMA * depth_m) {
-        estimate.axis = Some(AxisEstimate {
-            direction: Some(direction),
-            ..AxisEstimate::default()
-        });
-        return Err(if angle < 0.1 {
-            Refusal::ParallelToBaseline
-        } else {
-            Refusal::DepthUncertain { relative_percent }
-        });
-    }
-    let (chi2, redundancies) = (judgement.chi2, judgement.redundancies);
-    if chi2 > REFUSE_CHI2 {
-        return Err(Refusal::Contradiction { chi2, redundancies });
-    }
-    if chi2 > WARN_CHI2 {
-        o.warnings.push(format!(
-            "the limbs agree badly with one rod (χ² = {chi2:.0} of {redundancies} redundancies)"
-        ));
-    }
-    if !fit.converged {
-        return Err(Refusal::Restless);
-    }
-    let hidden = 1.0 - fit.rows_kept;
-    if hidden > MOST_HIDDEN {
-        return Err(Refusal::Misfit {
-            percent: 100.0 * hidden,
-        });
-    }
-    if hidden > WARN_HIDDEN {
-        o.warnings.push(format!(
-            "{:.0} % of the limbs are not those of a straight round rod: hidden, overgrown or bent",
-            100.0 * hidden
-        ));
-    }
-    estimate.axis = Some(AxisEstimate {
-        point_m: Some(here.fixed_rows::<3>(0).into_owned().into()),
-        direction: Some(direction),
-        covariance: Some(core::array::from_fn(|i| {
-            core::array::from_fn(|j| all[(i, j)])
-        })),
-    });
-    estimate.radius_m = Some(cylinder.radius_m);
-    let sigma_m = covariance[(ROD - 1, ROD - 1)].max(0.0).sqrt();
-    estimate.radius_sigma_m = Some(prior.map_or(sigma_m, |prior| prior.sigma_m.min(sigma_m)));
-    let Some((from_m, along)) = ray else {
-        return Ok(());
-    };
-    let paper = PaperGrasp::new(&cylinder.axis, &from_m, &along).map_err(|error| {
-        Refusal::PickUnusable {
-            detail: error.to_string(),
-        }
-    })?;
-    o.pick_gap_m = Some(paper.gap_m);
-    let radii = paper.gap_m / cylinder.radius_m;
-    if radii > 1.5 {
-        return Err(Refusal::PickOffRod {
-            gap_m: paper.gap_m,
-            radii,
-        });
-    }
-    let foot = surface_foot(&cylinder, &from_m, &along).unwrap_or(paper.point_m);
-    estimate.grasp = Some(GraspEstimate {
-        point_m: Some(foot.into()),
-        covariance_m2: Some(core::array::from_fn(|i| {
-            core::array::from_fn(|j| all[(6 + i, 6 + j)])
-        })),
-        paper_point_m: Some(Vec3::into(paper.point_m)),
-    });
-    Ok(())
 }
