@@ -189,10 +189,7 @@ fn exchanged_images_are_refused() {
     assert_eq!(estimate.status, Status::Refused, "{estimate:?}");
 }
 
-/// Grey images, and regions of any size and place, on the rod and beside it.
-///
-/// Known fault: where a region cuts off a limb of one eye, another edge may be taken for it, and of 40 pairs of regions three answers are
-/// wrong without a word. They may become fewer.
+/// Grey images, and regions of any size and place, on the rod and beside it: what is called sure is right.
 #[test]
 fn regions_and_grey_images_of_any_kind_are_answered_or_refused() {
     let truth = rods()[0];
@@ -229,5 +226,5 @@ fn regions_and_grey_images_of_any_kind_are_answered_or_refused() {
             wrong += u32::from(off > 6.0 * sigma_m);
         }
     }
-    assert!(answered >= 10 && wrong <= 3, "{wrong} of {answered}");
+    assert!(answered >= 5 && wrong == 0, "{wrong} of {answered}");
 }

@@ -15,11 +15,13 @@ const MOST_RELATIVE_DEPTH_SIGMA: f64 = 0.1;
 /// Nearer to the baseline than this, rad, a rod whose depth is not known is said to be so.
 const NEAR_BASELINE_RAD: f64 = 0.1;
 /// Shares of the rows that do not look as a rod's: a warning, and a refusal.
-pub(super) const WARN_HIDDEN: f64 = 0.25;
+const WARN_HIDDEN: f64 = 0.25;
 const MOST_HIDDEN: f64 = 0.6;
 /// Redundancies that disagree by more are a warning (one rod in a thousand has so much by chance), and a refusal.
 const WARN_CHI2: f64 = 16.3;
 const REFUSE_CHI2: f64 = 200.0;
+/// A limb that is not this much more likely than none is not seen.
+const LEAST_EVIDENCE: f64 = 30.0;
 /// A pick's ray passes the axis no farther than this.
 const MOST_GAP_RADII: f64 = 1.5;
 
@@ -164,6 +166,14 @@ fn check(warnings: &mut Vec<String>, fit: &Fit, judgement: &Judgement) -> Result
     }
     if !fit.converged {
         return Err(Refusal::Restless);
+    }
+    let limbs = fit.sums.evidence.iter().flatten();
+    let unseen = limbs.filter(|evidence| **evidence < LEAST_EVIDENCE).count();
+    if unseen > 1 {
+        return Err(Refusal::Unseen { unseen });
+    }
+    if unseen == 1 {
+        warnings.push("one of the four limbs is not seen: the others place the rod".to_owned());
     }
     let hidden = 1.0 - fit.rows_kept;
     if hidden > MOST_HIDDEN {

@@ -140,6 +140,8 @@ pub(crate) struct Sums {
     /// Of the rod, the blurs and the edges together, for the covariance.
     pub(crate) joint: SMatrix<f64, { UNKNOWNS + EDGES }, { UNKNOWNS + EDGES }>,
     pub(crate) scores: Vec<SVector<f64, { UNKNOWNS + EDGES }>>,
+    /// Of each limb of each eye (plus, minus) how much more likely the pixels are with it than with a slope of light in its place.
+    pub(crate) evidence: [[f64; 2]; 2],
     /// Of each row of each block its squares over its pixels.
     pub(crate) rows: Vec<Vec<f64>>,
 }
@@ -225,6 +227,7 @@ pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades], noise: &[
         shading: Vec::with_capacity(blocks.len()),
         joint: SMatrix::zeros(),
         scores: Vec::with_capacity(blocks.len()),
+        evidence: [[0.0; 2]; 2],
         rows: Vec::with_capacity(blocks.len()),
     };
     for (block, shades) in blocks.iter().zip(shades) {
@@ -248,6 +251,9 @@ pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades], noise: &[
                 squares += of_row.squares;
                 count += cut.values.len() as f64;
                 all.cost += row.weight * of_row.cost;
+                let noise = &noise[eye];
+                let without = cost_without(&cut.values, noise.inside.max(noise.outside));
+                all.evidence[eye][side] += row.weight * (without - of_row.cost);
                 all.chi2 += row.weight * of_row.chi2;
                 all.pixels += row.weight * cut.values.len() as f64;
                 of_row.add(row, side, state.blur_px2[eye], &mut local, &mut right);
@@ -258,6 +264,30 @@ pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades], noise: &[
         add_block(&mut all, eye, &local, &right);
     }
     all
+}
+
+/// What pixels cost that lie on a line.
+fn cost_without(values: &[f64], variance: f64) -> f64 {
+    let count = values.len() as f64;
+    let middle = 0.5 * (count - 1.0);
+    let places = (0..values.len()).map(|k| k as f64 - middle);
+    let mean = values.iter().sum::<f64>() / count;
+    let (mut along, mut squares) = (0.0, 0.0);
+    for (value, place) in values.iter().zip(places.clone()) {
+        along += place * value;
+        squares += place * place;
+    }
+    let slope = along / squares;
+    let residuals = values.iter().zip(places);
+    let costs = residuals.map(|(value, place)| {
+        let off = (value - mean - slope * place).abs() / variance.sqrt();
+        if off <= HUBER {
+            0.5 * off * off
+        } else {
+            HUBER * (off - 0.5 * HUBER)
+        }
+    });
+    costs.sum()
 }
 
 /// Sums over the pixels of a cut.

@@ -141,16 +141,17 @@ fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal>
         let Some(found) = fitted(request, lights, candidate) else {
             continue;
         };
-        let is_good = found.fit.converged && found.fit.rows_kept > 1.0 - answer::WARN_HIDDEN;
-        let worth = |found: &Located| (found.fit.converged, found.fit.rows_kept);
-        if located
-            .as_ref()
-            .is_none_or(|(_, other)| worth(&found) > worth(other))
-        {
+        // Edges within a rod are likely too; pixels are as a rod has them only where one is.
+        let worth = |candidate: &Candidate, found: &Located| {
+            let sums = &found.fit.sums;
+            let misfit = (sums.chi2 / sums.pixels).max(1.0);
+            (found.fit.converged, candidate.score / misfit)
+        };
+        let is_better = |(other, before): &(&Candidate, Located)| {
+            worth(candidate, &found) > worth(other, before)
+        };
+        if located.as_ref().is_none_or(is_better) {
             located = Some((candidate, found));
-        }
-        if is_good {
-            break;
         }
     }
     let (chosen, found) = located.ok_or(Refusal::Lost)?;

@@ -13,6 +13,8 @@ pub(crate) enum Refusal {
     NoRod,
     #[error("the limbs cannot be followed through the pixels")]
     Lost,
+    #[error("{unseen} of the four limbs are not seen where the others put them")]
+    Unseen { unseen: usize },
     #[error("no rod fits the pixels: the fit does not come to rest")]
     Restless,
     #[error(
@@ -45,6 +47,7 @@ impl Refusal {
             Self::PickOffStrip { .. } | Self::PickOffRod { .. } => "pick_off_rod",
             Self::NoRod => "no_rod",
             Self::Lost => "lost",
+            Self::Unseen { .. } => "unseen",
             Self::Restless => "restless",
             Self::Misfit { .. } => "misfit",
             Self::PickUnusable { .. } => "pick_unusable",
