@@ -89,6 +89,19 @@ impl Estimate {
     /// The version this code reads and writes.
     pub const SCHEMA: u32 = 1;
 
+    /// Sets the status: refused with a reason and its short name, or else as its warnings are.
+    pub(crate) fn conclude(&mut self, outcome: Result<(), (String, &str)>) {
+        let o = &mut self.observability;
+        (self.status, self.reason) = match outcome {
+            Ok(()) if o.warnings.is_empty() => (Status::Ok, None),
+            Ok(()) => (Status::Degraded, Some(o.warnings.join("; "))),
+            Err((reason, code)) => {
+                o.refusal = Some(code.to_owned());
+                (Status::Refused, Some(reason))
+            }
+        };
+    }
+
     /// An answer that says nothing yet but no.
     pub fn refused(method: &str, reason: String) -> Self {
         Self {

@@ -119,7 +119,7 @@ fn prior_cost(state: &State, prior: Option<Prior>) -> f64 {
 }
 
 /// What is known of the radius, as one measurement more.
-pub(crate) fn add_prior(
+fn add_prior(
     normal: &mut SMatrix<f64, UNKNOWNS, UNKNOWNS>,
     score: &mut SVector<f64, UNKNOWNS>,
     state: &State,

@@ -26,7 +26,7 @@ use std::time::Instant;
 
 use rodsight_geometry::{Eye, Pixel};
 
-use crate::{Estimate, Request, SolveError, Status};
+use crate::{Estimate, Request, SolveError};
 use answer::give;
 use climb::{Fit, Prior};
 use fit::State;
@@ -70,20 +70,8 @@ pub fn solve(request: &Request<'_>) -> Result<Estimate, SolveError> {
     request.validate()?;
     let start = Instant::now();
     let mut estimate = Estimate::refused("joint", String::new());
-    match locate(request, &mut estimate) {
-        Ok(()) if estimate.observability.warnings.is_empty() => {
-            estimate.status = Status::Ok;
-            estimate.reason = None;
-        }
-        Ok(()) => {
-            estimate.status = Status::Degraded;
-            estimate.reason = Some(estimate.observability.warnings.join("; "));
-        }
-        Err(refusal) => {
-            estimate.reason = Some(refusal.to_string());
-            estimate.observability.refusal = Some(refusal.code().to_owned());
-        }
-    }
+    let outcome = locate(request, &mut estimate);
+    estimate.conclude(outcome.map_err(|refusal| (refusal.to_string(), refusal.code())));
     estimate.timing_ms.total = start.elapsed().as_secs_f64() * 1e3;
     Ok(estimate)
 }

@@ -14,7 +14,7 @@ use super::quantities::{DEPTH, covariance_of};
 use super::report::{give_taper, report_eyes, warn_of_limbs};
 use super::softness::Shading;
 use super::{PaperParams, Refusal, milliseconds};
-use crate::{Centerlines, Estimate, Method, Request, Status, TimingMs};
+use crate::{Centerlines, Estimate, Method, Request, TimingMs};
 
 /// Nearer than this to one plane with the baseline a rod whose depth is not known is said to be so, degrees.
 const NEAR_BASELINE_DEG: f64 = 5.0;
@@ -43,20 +43,7 @@ pub(crate) fn answer(
         }
         Err(refusal) => (Err(refusal), None),
     };
-    match outcome {
-        Ok(()) if estimate.observability.warnings.is_empty() => {
-            estimate.status = Status::Ok;
-            estimate.reason = None;
-        }
-        Ok(()) => {
-            estimate.status = Status::Degraded;
-            estimate.reason = Some(estimate.observability.warnings.join("; "));
-        }
-        Err(refusal) => {
-            estimate.reason = Some(refusal.to_string());
-            estimate.observability.refusal = Some(refusal.code().to_owned());
-        }
-    }
+    estimate.conclude(outcome.map_err(|refusal| (refusal.to_string(), refusal.code())));
     estimate.timing_ms.locate = milliseconds(start);
     (estimate, choice)
 }
