@@ -50,7 +50,7 @@ pub(crate) struct Block {
 /// The limbs as an eye's image is scanned.
 struct Scan<'a> {
     mounted: &'a MountedCamera,
-    light: &'a Light,
+    light: &'a Light<'a>,
     /// Whether the limbs are flatter than 45° and cross columns.
     by_columns: bool,
 }
@@ -130,7 +130,7 @@ struct LimbLine {
 pub(crate) fn blocks(
     eye: usize,
     mounted: &MountedCamera,
-    light: &Light,
+    light: &Light<'_>,
     axes: &[[f64; 3]; 2],
     cylinder: &Cylinder,
     inside_px: f64,
@@ -185,7 +185,7 @@ pub(crate) fn blocks(
             } else {
                 (here - REACH_PX, (here + inside_px).min(between), 1.0)
             };
-            scan.cut(row, &axis[..light.planes.len()], [from, here, to], inwards)
+            scan.cut(row, &axis[..light.channels()], [from, here, to], inwards)
                 .filter(|cut| cut.values.len() >= 4)
         };
         let cuts = [cut(plus, &axes[0]), cut(minus, &axes[1])];

@@ -19,10 +19,10 @@ pub(crate) struct View {
 pub(crate) fn view(
     eye: usize,
     mounted: &MountedCamera,
-    light: &Light,
+    light: &Light<'_>,
     cylinder: &Cylinder,
 ) -> Option<View> {
-    let channels = light.planes.len();
+    let channels = light.channels();
     let mut found = [[0.0; 3]; 2];
     let mut worth = [0.0; 3];
     let in_band = |channel: usize| {

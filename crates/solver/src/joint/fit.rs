@@ -469,7 +469,9 @@ fn add_block(all: &mut Sums, eye: usize, local: &Local, right: &LocalVector) {
 
 #[cfg(test)]
 mod tests {
-    use rodsight_geometry::{Camera, Distortion, Intrinsics, Mat3, MountedCamera, Pose};
+    use rodsight_geometry::{
+        Camera, Distortion, Image, Intrinsics, Mat3, MountedCamera, Pose, Samples,
+    };
 
     use super::super::bands::{INSIDE_PX, blocks};
     use super::super::light::Light;
@@ -505,8 +507,15 @@ mod tests {
         }
     }
 
+    const WHOLE: Roi = Roi {
+        x_px: 0,
+        y_px: 0,
+        width_px: 160,
+        height_px: 120,
+    };
+
     /// A matt rod lit from the camera, sampled once a pixel.
-    fn light(mounted: &MountedCamera, cylinder: &Cylinder) -> Light {
+    fn image(mounted: &MountedCamera, cylinder: &Cylinder) -> Image {
         let value = |index: usize| {
             let place = rodsight_geometry::Pixel::new(
                 (index % 160) as f64 + 0.5,
@@ -519,19 +528,12 @@ mod tests {
             };
             let t = distance(&State::new(*cylinder, 0.3), &ray).0 / cylinder.radius_m;
             let inside = 0.3 + 0.1 * t + 0.5 * (1.0 - t * t).max(0.0).sqrt();
-            (if t.abs() < 1.0 { inside } else { 0.1 }) as f32
+            let light = if t.abs() < 1.0 { inside } else { 0.1 };
+            // sRGB.
+            (65535.0 * (1.055 * libm::pow(light, 1.0 / 2.4) - 0.055)) as u16
         };
-        Light {
-            roi: Roi {
-                x_px: 0,
-                y_px: 0,
-                width_px: 160,
-                height_px: 120,
-            },
-            width: 160,
-            height: 120,
-            planes: vec![(0..160 * 120).map(value).collect()],
-        }
+        let samples = Samples::U16((0..160 * 120).map(value).collect());
+        Image::new(160, 120, 1, samples).expect("an image")
     }
 
     /// The likelihood of a state at its best shading, and its derivatives.
@@ -554,7 +556,8 @@ mod tests {
             let cameras = cameras();
             let mut all = Vec::new();
             for (eye, mounted) in cameras.iter().enumerate() {
-                let light = light(mounted, &truth);
+                let image = image(mounted, &truth);
+                let light = Light::of(&image, WHOLE);
                 let axes = [[1.0, 0.0, 0.0]; 2];
                 all.extend(blocks(eye, mounted, &light, &axes, &truth, INSIDE_PX).expect("blocks"));
             }

@@ -16,6 +16,7 @@ mod fit;
 mod judge;
 mod light;
 mod pair;
+mod radon;
 mod refusal;
 mod spread;
 mod strip;
@@ -40,8 +41,8 @@ use strip::Strip;
 const EDGES: usize = 48;
 /// Strips of an image that are paired with the other's.
 const STRIPS: usize = 12;
-/// The longest side of a region as it is searched.
-const COARSE_PX: usize = 256;
+/// How many pixels, and how many a side, a region has at most as it is searched: first, and again where nothing was found.
+const COARSE: [(usize, usize); 2] = [(1 << 15, 256), (1 << 16, 384)];
 /// Rods that are fitted in turn until one fits, and what is likely enough of the likeliest to be tried.
 const TRIED: usize = 6;
 const LEAST_SHARE: f64 = 0.2;
@@ -49,8 +50,8 @@ const LEAST_SHARE: f64 = 0.2;
 const RUNNER_UP: f64 = 0.8;
 
 /// What was seen in one image.
-struct Seen {
-    light: Light,
+struct Seen<'a> {
+    light: Light<'a>,
     strips: Vec<Strip>,
     factor: usize,
 }
@@ -76,29 +77,32 @@ pub fn solve(request: &Request<'_>) -> Result<Estimate, SolveError> {
     Ok(estimate)
 }
 
-fn see(request: &Request<'_>, eye: Eye) -> Result<Seen, Refusal> {
+fn see<'a>(request: &Request<'a>, eye: Eye) -> Result<Seen<'a>, Refusal> {
     let roi = request.roi(eye);
     let light = Light::of(request.image(eye), roi);
     let pick = request
         .pick
         .filter(|pick| pick.eye == eye)
         .map(|pick| pick.pixel - Pixel::new(roi.x_px.into(), roi.y_px.into()));
-    let factor = light.width.max(light.height).div_ceil(COARSE_PX).max(1);
-    let binned = light.binned(factor);
-    let floor = 2e-4 / factor as f64;
-    let edges = sums::edges(&binned, EDGES, floor);
-    let strips = strip::strips(&edges, &binned, pick.as_ref(), STRIPS);
-    if strips.is_empty() {
-        return Err(if pick.is_some() {
-            Refusal::PickOffStrip { eye: eye.name() }
-        } else {
-            Refusal::NoPair { eye: eye.name() }
-        });
+    let factors = COARSE.map(|(pixels, side)| light.factor(pixels, side));
+    let looks = if factors[0] == factors[1] { 1 } else { 2 };
+    for factor in factors.into_iter().take(looks) {
+        let binned = light.binned(factor);
+        let floor = 2e-4 / factor as f64;
+        let edges = sums::edges(&binned, EDGES, floor);
+        let strips = strip::strips(&edges, &binned, pick.as_ref(), STRIPS);
+        if !strips.is_empty() {
+            return Ok(Seen {
+                light,
+                strips,
+                factor,
+            });
+        }
     }
-    Ok(Seen {
-        light,
-        strips,
-        factor,
+    Err(if pick.is_some() {
+        Refusal::PickOffStrip { eye: eye.name() }
+    } else {
+        Refusal::NoPair { eye: eye.name() }
     })
 }
 
@@ -162,7 +166,11 @@ fn is_same(a: &Candidate, b: &Candidate) -> bool {
 }
 
 /// Follows the limbs of a candidate and climbs to the likeliest rod.
-fn fitted(request: &Request<'_>, lights: [&Light; 2], candidate: &Candidate) -> Option<Located> {
+fn fitted(
+    request: &Request<'_>,
+    lights: [&Light<'_>; 2],
+    candidate: &Candidate,
+) -> Option<Located> {
     let rig = &request.pair.rig;
     let mut strips = candidate.strips;
     for (k, strip) in strips.iter_mut().enumerate() {

@@ -1,7 +1,7 @@
 //! Which strip of the left eye and which of the right are one rod.
 
 use rodsight_geometry::{
-    Cylinder, Eye, ImageLine, MountedCamera, Pixel, Rig, Side, TangentPair, TangentPlane, Vec3,
+    Cylinder, Eye, MountedCamera, Pixel, Rig, Side, TangentPair, TangentPlane, Vec3,
 };
 
 use super::light::Light;
@@ -21,7 +21,7 @@ pub(crate) struct Candidate {
 
 /// The plane through a camera's centre in which a line of its region is seen, and the place where the rays come from; lines behind
 /// lenses that bend them are taken by their ends.
-fn plane(mounted: &MountedCamera, light: &Light, edge: &Edge) -> Option<(Vec3, Vec3)> {
+fn plane(mounted: &MountedCamera, light: &Light<'_>, edge: &Edge) -> Option<(Vec3, Vec3)> {
     let size = [light.width as f64, light.height as f64];
     let [from, to] = super::strip::chord(edge, size)?;
     let corner = Pixel::new(light.roi.x_px.into(), light.roi.y_px.into());
@@ -34,7 +34,7 @@ fn plane(mounted: &MountedCamera, light: &Light, edge: &Edge) -> Option<(Vec3, V
 /// The tangent planes of a strip.
 pub(crate) fn planes(
     mounted: &MountedCamera,
-    light: &Light,
+    light: &Light<'_>,
     strip: &Strip,
 ) -> Option<[TangentPlane; 2]> {
     let corner = Pixel::new(light.roi.x_px.into(), light.roi.y_px.into());
@@ -60,7 +60,7 @@ pub(crate) fn planes(
 /// The cylinder of a strip in each eye, and how well four planes agree, px.
 pub(crate) fn cylinder(
     rig: &Rig,
-    lights: [&Light; 2],
+    lights: [&Light<'_>; 2],
     strips: [&Strip; 2],
     known_radius_m: Option<f64>,
 ) -> Option<(Cylinder, f64)> {
@@ -96,7 +96,7 @@ fn nearest(cylinder: &Cylinder, from_m: &Vec3, along: &Vec3) -> Option<Vec3> {
 /// All pairs of strips that may be one rod, likeliest first.
 pub(crate) fn candidates(
     rig: &Rig,
-    lights: [&Light; 2],
+    lights: [&Light<'_>; 2],
     strips: [&[Strip]; 2],
     prior: Option<RadiusPrior>,
     factors: [usize; 2],
@@ -133,7 +133,7 @@ pub(crate) fn candidates(
 const ONE_PLANE_RAD: f64 = 0.01;
 
 /// The score of the likeliest pair of strips that are seen in one plane with the baseline, alike and equally wide; 0 without any.
-pub(crate) fn parallel(rig: &Rig, lights: [&Light; 2], strips: [&[Strip]; 2]) -> f64 {
+pub(crate) fn parallel(rig: &Rig, lights: [&Light<'_>; 2], strips: [&[Strip]; 2]) -> f64 {
     let axis_plane = |mounted, light, strip| {
         let [a, b] = planes(mounted, light, strip)?;
         Some((a.normal + b.normal).normalize())
@@ -159,24 +159,17 @@ pub(crate) fn parallel(rig: &Rig, lights: [&Light; 2], strips: [&[Strip]; 2]) ->
 
 /// How alike the colours are that two strips stand out by, in [0, 1].
 fn likeness(left: &Strip, right: &Strip) -> f64 {
-    let colour = |strip: &Strip| {
-        // Inwards, along the normal of the first edge if the second lies that way.
-        let [a, b] = &strip.edges;
-        let ahead = gap(a, b).signum();
-        a.axis.map(|v| v * ahead)
-    };
-    let (l, r) = (colour(left), colour(right));
-    let cos: f64 = l.iter().zip(&r).map(|(a, b)| a * b).sum();
-    (0.5 + 0.5 * cos).max(0.0)
+    // Inwards. What one eye sees on the left may be lower for the other.
+    let inwards = |strip: &Strip| strip.edges.map(|edge| inwards(&edge, &strip.middle_px));
+    let cos = |l: [f64; 3], r: [f64; 3]| -> f64 { l.iter().zip(&r).map(|(l, r)| l * r).sum() };
+    let ([a, b], [c, d]) = (inwards(left), inwards(right));
+    let both = (cos(a, c) + cos(b, d)).max(cos(a, d) + cos(b, c));
+    (0.5 + 0.25 * both).max(0.0)
 }
 
-fn gap(a: &Edge, b: &Edge) -> f64 {
-    let rho = |line: &ImageLine, normal: &Pixel| {
-        if line.normal().dot(normal) < 0.0 {
-            -line.rho_px
-        } else {
-            line.rho_px
-        }
-    };
-    rho(&b.line, &a.normal) - rho(&a.line, &a.normal)
+/// The colour of a step towards a place.
+fn inwards(edge: &Edge, place: &Pixel) -> [f64; 3] {
+    let towards = edge.line.normal() * (edge.line.normal().dot(place) - edge.line.rho_px);
+    let sign = edge.normal.dot(&towards).signum();
+    edge.colour.map(|v| v * sign)
 }

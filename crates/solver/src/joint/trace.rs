@@ -13,7 +13,7 @@ const SMOOTH_PX: f64 = 1.5;
 
 /// Follows an edge within some pixels to either side, `polarity` times the light growing along its normal.
 pub(crate) fn trace(
-    light: &Light,
+    light: &Light<'_>,
     edge: &Edge,
     axis: &[f64; 3],
     polarity: f64,
@@ -24,7 +24,7 @@ pub(crate) fn trace(
     let length_px = (to - from).norm();
     let along = (to - from) / length_px;
     let normal = edge.normal;
-    let channels = light.planes.len();
+    let channels = light.channels();
     let axis = &axis[..channels];
     let offsets = 2 * reach_px + 1;
     let kernel = kernel();
@@ -126,7 +126,7 @@ fn sloped(profile: &[f64], kernel: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-fn bilinear(light: &Light, axis: &[f64], at: &Pixel) -> Option<f64> {
+fn bilinear(light: &Light<'_>, axis: &[f64], at: &Pixel) -> Option<f64> {
     let (x, y) = (at.x - 0.5, at.y - 0.5);
     if !(x >= 0.0 && y >= 0.0) {
         return None;
