@@ -22,6 +22,7 @@ mod spread;
 mod strip;
 mod sums;
 mod trace;
+mod whitening;
 
 use std::time::Instant;
 
@@ -42,7 +43,7 @@ const EDGES: usize = 48;
 /// Strips of an image that are paired with the other's.
 const STRIPS: usize = 12;
 /// How many pixels, and how many a side, a region has at most as it is searched: first, and again where nothing was found.
-const COARSE: [(usize, usize); 2] = [(1 << 15, 256), (1 << 16, 384)];
+const COARSE: [(usize, usize); 2] = [(1 << 15, 256), (1 << 17, 512)];
 /// Rods that are fitted in turn until one fits, and what is likely enough of the likeliest to be tried.
 const TRIED: usize = 6;
 const LEAST_SHARE: f64 = 0.2;
@@ -117,6 +118,7 @@ fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal>
         [&seen[0].strips, &seen[1].strips],
         request.radius,
         [seen[0].factor, seen[1].factor],
+        LEAST_SHARE,
     );
     estimate.timing_ms.pair = start.elapsed().as_secs_f64() * 1e3;
     let start = Instant::now();
@@ -127,9 +129,6 @@ fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal>
     let best = candidates.first().ok_or(Refusal::NoRod)?;
     let mut located: Option<(&Candidate, Located)> = None;
     for candidate in candidates.iter().take(TRIED) {
-        if candidate.score < LEAST_SHARE * best.score {
-            break;
-        }
         let Some(found) = fitted(request, lights, candidate) else {
             continue;
         };

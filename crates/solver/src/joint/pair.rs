@@ -1,7 +1,8 @@
 //! Which strip of the left eye and which of the right are one rod.
 
+use nalgebra::Vector4;
 use rodsight_geometry::{
-    Cylinder, Eye, MountedCamera, Pixel, Rig, Side, TangentPair, TangentPlane, Vec3,
+    Cylinder, Eye, Line3, Mat3, MountedCamera, Pixel, Rig, Side, TangentPair, TangentPlane, Vec3,
 };
 
 use super::light::Light;
@@ -11,6 +12,9 @@ use crate::RadiusPrior;
 
 /// Spread of the logarithm of the ratio of two radii of one rod, coarsely measured.
 const LOG_RATIO_SPREAD: f64 = 0.4;
+
+/// Nearer than this two planes through the eyes are one, rad.
+const ONE_PLANE_RAD: f64 = 0.01;
 
 /// A rod of both eyes, roughly.
 #[derive(Clone, Copy, Debug)]
@@ -66,13 +70,24 @@ pub(crate) fn cylinder(
 ) -> Option<(Cylinder, f64)> {
     let left = planes(&rig.left, lights[0], strips[0])?;
     let right = planes(&rig.right, lights[1], strips[1])?;
+    touching(rig, lights[0], strips[0], [left, right], known_radius_m)
+}
+
+/// The cylinder that touches the planes of both eyes.
+fn touching(
+    rig: &Rig,
+    light: &Light<'_>,
+    strip: &Strip,
+    [left, right]: [[TangentPlane; 2]; 2],
+    known_radius_m: Option<f64>,
+) -> Option<(Cylinder, f64)> {
     let all = [left[0], left[1], right[0], right[1]];
     let fit = Cylinder::from_tangent_planes(&all, known_radius_m).ok()?;
     let mut cylinder = fit.cylinder;
     // The reference point where the left eye looks at the rod.
-    let corner = Pixel::new(lights[0].roi.x_px.into(), lights[0].roi.y_px.into());
-    let (from_m, along) = rig.left.ray(&(strips[0].middle_px + corner))?;
-    cylinder.axis.point_m = nearest(&cylinder, &from_m, &along)?;
+    let corner = Pixel::new(light.roi.x_px.into(), light.roi.y_px.into());
+    let (from_m, along) = rig.left.ray(&(strip.middle_px + corner))?;
+    cylinder.axis.point_m = nearest(&cylinder.axis, &from_m, &along)?;
     let depth = |eye: Eye| {
         let pose = rig.eye(eye).rig_from_camera.inverse();
         pose.point(&cylinder.axis.point_m).z
@@ -86,68 +101,154 @@ pub(crate) fn cylinder(
 }
 
 /// The point of an axis nearest to a ray.
-fn nearest(cylinder: &Cylinder, from_m: &Vec3, along: &Vec3) -> Option<Vec3> {
-    let (p, d) = (cylinder.axis.point_m, cylinder.axis.direction);
+fn nearest(axis: &Line3, from_m: &Vec3, along: &Vec3) -> Option<Vec3> {
+    let (p, d) = (axis.point_m, axis.direction);
     let w = p - from_m;
     let (cos, sin2) = (d.dot(along), d.cross(along).norm_squared());
     (sin2 > 1e-9).then(|| p + d * ((cos * w.dot(along) - w.dot(&d)) / sin2))
 }
 
-/// All pairs of strips that may be one rod, likeliest first.
+/// A strip in space.
+struct Sight<'a> {
+    strip: &'a Strip,
+    planes: [TangentPlane; 2],
+    /// Unit normal of the plane through the eye and the axis.
+    axis_plane: Vec3,
+    /// Where the strip's middle is seen from, and in which direction.
+    from_m: Vec3,
+    along: Vec3,
+}
+
+/// The strips of both eyes that have tangent planes.
+fn sights<'a>(rig: &Rig, lights: [&Light<'_>; 2], strips: [&'a [Strip]; 2]) -> [Vec<Sight<'a>>; 2] {
+    [0, 1].map(|k| {
+        let mounted = [&rig.left, &rig.right][k];
+        let corner = Pixel::new(lights[k].roi.x_px.into(), lights[k].roi.y_px.into());
+        let sight = |strip: &'a Strip| {
+            let planes = planes(mounted, lights[k], strip)?;
+            let [a, b] = planes.map(|plane| plane.normal);
+            let (from_m, along) = mounted.ray(&(strip.middle_px + corner))?;
+            Some(Sight {
+                strip,
+                planes,
+                axis_plane: (a + b).normalize(),
+                from_m,
+                along,
+            })
+        };
+        strips[k].iter().filter_map(sight).collect()
+    })
+}
+
+/// Nearly what `touching` says of how well four planes agree, px, by normal equations, which is a fraction of the work but loses half
+/// the digits. Infinite where the radius is not positive, `None` where it cannot be said so: near the baseline.
+fn disagreement_px(rig: &Rig, left: &Sight<'_>, right: &Sight<'_>) -> Option<f64> {
+    let cross = left.axis_plane.cross(&right.axis_plane);
+    if !(cross.norm() > 2.0 * ONE_PLANE_RAD) {
+        return None;
+    }
+    let all = [left.planes, right.planes];
+    let all = all.as_flattened();
+    let origin = 0.5 * (left.from_m + right.from_m);
+    // The direction that is most nearly in all planes, by inverse iteration.
+    let normals: Mat3 = all.iter().map(|p| p.normal * p.normal.transpose()).sum();
+    let inverse = (normals + Mat3::identity() * 1e-12).try_inverse()?;
+    let mut direction = cross;
+    for _ in 0..4 {
+        direction = (inverse * direction).try_normalize(0.0)?;
+    }
+    let row = |p: &TangentPlane| p.normal.push(-p.side.sign());
+    let across = direction.push(0.0);
+    let mut matrix = across * across.transpose() * 4.0;
+    let mut values = Vector4::zeros();
+    for plane in all {
+        let row = row(plane);
+        matrix += row * row.transpose();
+        values += row * plane.normal.dot(&(plane.centre_m - origin));
+    }
+    let solution = matrix.try_inverse()? * values;
+    if !(solution.w > 0.0) {
+        return Some(f64::INFINITY);
+    }
+    let point_m = origin + solution.xyz();
+    let off_m =
+        |p: &TangentPlane| p.normal.dot(&(point_m - p.centre_m)) - p.side.sign() * solution.w;
+    let squares: f64 = all.iter().map(|p| off_m(p) * off_m(p)).sum();
+    let seen_m = nearest(&Line3 { point_m, direction }, &left.from_m, &left.along)?;
+    let depth_m = |m: &MountedCamera| m.rig_from_camera.inverse().point(&seen_m).z;
+    let depth_m = depth_m(&rig.left).min(depth_m(&rig.right));
+    if !(depth_m > 0.0) {
+        return Some(f64::INFINITY);
+    }
+    let fx_px = rig.left.camera.intrinsics().fx_px;
+    Some(0.5 * squares.sqrt() * fx_px / depth_m)
+}
+
+/// What is nearly how far planes are apart is at least this share of how far they are.
+const NEARLY: f64 = 0.9;
+
+/// All pairs of strips that may be one rod and score at least this share of the likeliest, likeliest first.
 pub(crate) fn candidates(
     rig: &Rig,
     lights: [&Light<'_>; 2],
     strips: [&[Strip]; 2],
     prior: Option<RadiusPrior>,
     factors: [usize; 2],
+    least_share: f64,
 ) -> Vec<Candidate> {
     let slack_px = 1.2 * factors[0].max(factors[1]) as f64;
-    let mut found = Vec::new();
-    for left in strips[0] {
-        for right in strips[1] {
-            let known = prior.map(|prior| prior.radius_m);
-            let located = cylinder(rig, lights, [left, right], None)
-                .or_else(|| cylinder(rig, lights, [left, right], known));
-            let Some((cylinder, residual_px)) = located else {
-                continue;
-            };
-            let off = residual_px / slack_px;
-            let mut score = f64::from((left.score * right.score).sqrt());
-            score *= libm::exp(-0.5 * off * off);
-            score *= likeness(left, right);
-            if let Some(prior) = prior {
-                let off = libm::log(cylinder.radius_m / prior.radius_m) / LOG_RATIO_SPREAD;
-                score *= libm::exp(-0.5 * off * off);
-            }
-            found.push(Candidate {
-                strips: [*left, *right],
-                score,
-            });
+    let known = prior.map(|prior| prior.radius_m);
+    let [lefts, rights] = sights(rig, lights, strips);
+    // By what they score at most: most pairs are left before their cylinder is asked for.
+    let mut pairs = Vec::with_capacity(lefts.len() * rights.len());
+    for left in &lefts {
+        for right in &rights {
+            let both = f64::from((left.strip.score * right.strip.score).sqrt());
+            let alike = both * likeness(left.strip, right.strip);
+            // A radius that is known may locate what the planes alone do not.
+            let off = known.is_none().then(|| disagreement_px(rig, left, right));
+            let off = off.flatten().unwrap_or(0.0) * NEARLY / slack_px;
+            pairs.push((alike * libm::exp(-0.5 * off * off), alike, left, right));
         }
     }
+    pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut found = Vec::new();
+    let mut best = 0.0_f64;
+    for (most, alike, left, right) in pairs {
+        if most < least_share * best || most <= 0.0 {
+            break;
+        }
+        let both = [left.planes, right.planes];
+        let touching = |known| touching(rig, lights[0], left.strip, both, known);
+        let located = touching(None).or_else(|| known.and_then(|r| touching(Some(r))));
+        let Some((cylinder, residual_px)) = located else {
+            continue;
+        };
+        let off = residual_px / slack_px;
+        let mut score = alike * libm::exp(-0.5 * off * off);
+        if let Some(prior) = prior {
+            let off = libm::log(cylinder.radius_m / prior.radius_m) / LOG_RATIO_SPREAD;
+            score *= libm::exp(-0.5 * off * off);
+        }
+        best = best.max(score);
+        found.push(Candidate {
+            strips: [*left.strip, *right.strip],
+            score,
+        });
+    }
+    found.retain(|candidate: &Candidate| candidate.score >= least_share * best);
     found.sort_by(|a, b| b.score.total_cmp(&a.score));
     found
 }
 
-/// Nearer than this two planes through the eyes are one, rad.
-const ONE_PLANE_RAD: f64 = 0.01;
-
 /// The score of the likeliest pair of strips that are seen in one plane with the baseline, alike and equally wide; 0 without any.
 pub(crate) fn parallel(rig: &Rig, lights: [&Light<'_>; 2], strips: [&[Strip]; 2]) -> f64 {
-    let axis_plane = |mounted, light, strip| {
-        let [a, b] = planes(mounted, light, strip)?;
-        Some((a.normal + b.normal).normalize())
-    };
+    let [lefts, rights] = sights(rig, lights, strips);
     let mut best = 0.0_f64;
-    for left in strips[0] {
-        let Some(n_left) = axis_plane(&rig.left, lights[0], left) else {
-            continue;
-        };
-        for right in strips[1] {
-            let Some(n_right) = axis_plane(&rig.right, lights[1], right) else {
-                continue;
-            };
-            if n_left.cross(&n_right).norm() < ONE_PLANE_RAD {
+    for left in &lefts {
+        for right in &rights {
+            if left.axis_plane.cross(&right.axis_plane).norm() < ONE_PLANE_RAD {
+                let (left, right) = (left.strip, right.strip);
                 let off = libm::log(left.width_px / right.width_px) / LOG_RATIO_SPREAD;
                 let score = f64::from((left.score * right.score).sqrt()) * likeness(left, right);
                 best = best.max(score * libm::exp(-0.5 * off * off));

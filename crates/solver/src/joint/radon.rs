@@ -96,6 +96,29 @@ impl Grid {
         self.slopes() * self.places()
     }
 
+    /// The straight line through the pixels of a line that are in the image: where it passes the middle row, and its slope.
+    pub(crate) fn course(&self, slope: usize, place: usize) -> (f64, f64) {
+        let mut columns = Vec::with_capacity(self.height);
+        course(self.height, self.half, slope, 0, &mut columns);
+        let place_px = self.place_px(place as f64);
+        let is_inside = |x: &f64| (0.0..self.width as f64).contains(x);
+        let points: Vec<(f64, f64)> = (0..self.height)
+            .map(|row| row as f64 + 0.5 - 0.5 * self.height as f64)
+            .zip(columns.iter().map(|column| place_px + *column as f64))
+            .filter(|(_, x)| is_inside(x))
+            .collect();
+        let mean = |f: &dyn Fn(f64, f64) -> f64| {
+            points.iter().map(|(y, x)| f(*y, *x)).sum::<f64>() / points.len() as f64
+        };
+        let (y, x) = (mean(&|y, _| y), mean(&|_, x| x));
+        let squares = mean(&|v, _| (v - y) * (v - y));
+        if points.is_empty() || squares == 0.0 {
+            return (place_px, self.slope(slope as f64));
+        }
+        let turn = mean(&|v, u| (v - y) * (u - x)) / squares;
+        (x - turn * y, turn)
+    }
+
     /// Appends the sums along all lines of an image whose rows have `MARGIN` zeros before and after them.
     pub(crate) fn sum(&self, image: &[f32], sums: &mut Vec<f32>) {
         let shape = Shape {
@@ -193,7 +216,7 @@ impl Shape {
             .map(|part| {
                 let (rows, below) = rest.split_at(part * (width + 2 * MARGIN));
                 rest = below;
-                let off = (above as f64 + 0.5 * part as f64) - 0.5 * height as f64;
+                let off = off(height, above, part);
                 above += part;
                 (
                     Strip::of(rows, width, self.reach + moved(height, part)),
@@ -219,6 +242,28 @@ impl Shape {
             sums.resize(sums.len() + self.margin - reach, 0.0);
         }
     }
+}
+
+/// Appends where the pixels of a line are, row by row, from the place where it passes the middle of its strip.
+fn course(height: usize, half: usize, slope: usize, moved: isize, columns: &mut Vec<isize>) {
+    if height == 1 {
+        columns.push(moved);
+        return;
+    }
+    let slope = (slope as f64 - half as f64) / half.max(1) as f64;
+    let mut above = 0;
+    for part in parts(height) {
+        let (half, off) = (part / 2, off(height, above, part));
+        let further = nearest(height, slope * off).cast_signed() - height.cast_signed();
+        let slope = nearest(half, slope * half as f64);
+        course(part, half, slope, moved + further, columns);
+        above += part;
+    }
+}
+
+/// How far the middle of a part is below that of the whole, in rows.
+fn off(height: usize, above: usize, part: usize) -> f64 {
+    (above as f64 + 0.5 * part as f64) - 0.5 * height as f64
 }
 
 /// The index that is nearest to a distance from another, both at least 0.
@@ -312,13 +357,21 @@ mod tests {
         ] {
             let grid = Grid::new(width, height, 1.0);
             let (mut squares, mut count) = (0.0, 0.0);
+            let mut told = Vec::new();
             for (line, rows) in courses(width, height).into_iter().enumerate() {
                 let (slope, place) = (line / grid.places(), line % grid.places());
                 if !grid.range(slope).contains(&place) {
                     assert!(rows.iter().all(Vec::is_empty));
                     continue;
                 }
-                for (row, columns) in rows.into_iter().enumerate() {
+                told.clear();
+                course(height, height / 2, slope, 0, &mut told);
+                for ((row, columns), told) in rows.into_iter().enumerate().zip(&told) {
+                    let told = grid.place_px(place as f64) + *told as f64 - 0.5;
+                    assert!(
+                        columns.iter().all(|c| *c as f64 == told),
+                        "{columns:?} {told}"
+                    );
                     let down = row as f64 + 0.5 - 0.5 * height as f64;
                     let at = grid.place_px(place as f64) + grid.slope(slope as f64) * down;
                     let off: Vec<f64> = columns.iter().map(|c| *c as f64 + 0.5 - at).collect();

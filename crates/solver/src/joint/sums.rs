@@ -4,11 +4,12 @@
 //! line (`radon`). What a line collects is in units of the noise: of the same sums all over the image, so that texture counts as
 //! noise.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use rodsight_geometry::{ImageLine, Pixel};
 
 use super::light::Binned;
 use super::radon::{Grid, MARGIN};
+use super::whitening::Whitening;
 
 /// Noise makes stronger edges than this, in its own standard deviations, hardly ever.
 const LEAST_SCORE: f32 = 4.0;
@@ -134,6 +135,29 @@ impl Family<'_> {
         scores
     }
 
+    /// Appends to each channel's values some of its sums, over the roots of their rows.
+    fn sample(&self, values: &mut [Vec<f64>]) {
+        let (slopes, places) = (self.grid.slopes(), self.grid.places());
+        let least = SAMPLED_ROWS * self.grid.height as f32;
+        let step = (slopes * places / SAMPLED).max(1);
+        // From slope to slope other places.
+        let mut place = 0;
+        for slope in 0..slopes {
+            let counts = self.grid.counts(slope);
+            while place < places {
+                let count = counts(place);
+                if count >= least {
+                    for (sums, values) in self.sums.iter().zip(values.iter_mut()) {
+                        values.push(f64::from(sums[slope * places + place] / count.sqrt()));
+                    }
+                }
+                place += step;
+            }
+            place -= places;
+        }
+    }
+
+    /// A line's sums, channel by channel.
     fn light(&self, line: usize) -> Vector3<f64> {
         let mut sums = Vector3::zeros();
         for (sum, plane) in sums.iter_mut().zip(&self.sums) {
@@ -184,21 +208,32 @@ impl Family<'_> {
         })
     }
 
-    /// The line of a slope and a place between those of the grid, in px of the region.
-    fn line(&self, slope: f64, place: f64, factor: usize) -> (ImageLine, Pixel) {
-        let (slope, place_px) = (self.grid.slope(slope), self.grid.place_px(place));
-        let factor = factor as f64;
-        // x = x0 + slope (y − middle).
-        let middle_px = 0.5 * self.grid.height as f64 * factor;
+    /// The edge of a peak.
+    fn edge(&self, line: usize, whitening: &Whitening, factor: f64) -> Edge {
+        let (slope, place) = (line / self.grid.places(), line % self.grid.places());
+        let root = self.grid.counts(slope)(place).sqrt();
+        let step = self.colours(line, whitening).map(|colour| colour / root);
+        // x = x0 + slope (y − middle), where the pixels of the line are and, of its neighbours, the top.
+        let (x0_px, turn) = self.grid.course(slope, place);
+        let [down, right] = self.top(line, whitening);
+        let slope = turn + self.grid.slope(down) - self.grid.slope(0.0);
         let length = (1.0 + slope * slope).sqrt();
         let (across, along) = (1.0 / length, -slope / length);
-        let rho_px = across * place_px * factor + along * middle_px;
+        let middle_px = 0.5 * self.grid.height as f64;
+        let rho_px = factor * (across * (x0_px + right) + along * middle_px);
         let normal = if self.is_flat {
             Pixel::new(along, across)
         } else {
             Pixel::new(across, along)
         };
-        (ImageLine::from_normal(&normal, rho_px), normal)
+        Edge {
+            line: ImageLine::from_normal(&normal, rho_px),
+            normal,
+            step,
+            score: dot(&step, &step).sqrt(),
+            axis: whitening.axis(&step),
+            colour: self.light(line).normalize().into(),
+        }
     }
 }
 
@@ -230,75 +265,9 @@ const NEIGHBOURS: [(isize, isize); 24] = [
     (2, 2),
 ];
 
-/// Lines whose sums say how noisy the image is.
-const SAMPLED: usize = 4096;
-
-/// Turns sums of channels into independent ones of unit variance.
-struct Whitening(Matrix3<f64>);
-
-impl Whitening {
-    /// From sums over √length of everything, largest values cut off: edges are few.
-    fn of(families: &[Family<'_>; 2], channels: usize, floor: f64) -> Self {
-        let mut values: Vec<Vec<f64>> = vec![Vec::new(); channels];
-        for family in families {
-            let least = 2.0 * LEAST_ROWS * family.grid.height as f32;
-            let (slopes, places) = (family.grid.slopes(), family.grid.places());
-            let step = (2 * slopes * places / SAMPLED).max(1);
-            // Every line of some slopes would be alike, and one place of all: both change.
-            let mut place = 0;
-            for slope in 0..slopes {
-                let counts = family.grid.counts(slope);
-                while place < places {
-                    let count = counts(place);
-                    if count >= least {
-                        let at = slope * places + place;
-                        for (sums, values) in family.sums.iter().zip(&mut values) {
-                            values.push(f64::from(sums[at] / count.sqrt()));
-                        }
-                    }
-                    place += step;
-                }
-                place -= places;
-            }
-        }
-        let cuts: Vec<f64> = values
-            .iter()
-            .map(|values| {
-                let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
-                if sizes.is_empty() {
-                    return floor;
-                }
-                let middle = sizes.len() / 2;
-                let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-                (1.4826 * *median).max(floor)
-            })
-            .collect();
-        let count = values[0].len().max(1) as f64;
-        let covariance = Matrix3::from_fn(|i, j| {
-            if i >= channels || j >= channels {
-                return f64::from(u8::from(i == j));
-            }
-            let cut = |v: f64, cut: f64| v.clamp(-3.0 * cut, 3.0 * cut);
-            let sum: f64 = (values[i].iter().zip(&values[j]))
-                .map(|(a, b)| cut(*a, cuts[i]) * cut(*b, cuts[j]))
-                .sum();
-            let least = floor * floor + 1e-4 * cuts[i] * cuts[i];
-            sum / count + if i == j { least } else { 0.0 }
-        });
-        // A covariance whose diagonal was added to has a factor, and the factor an inverse.
-        let factor = covariance.cholesky().map(|factor| factor.l());
-        let inverse = factor.and_then(Matrix3::try_inverse);
-        Self(inverse.unwrap_or_else(|| {
-            Matrix3::from_diagonal(&covariance.diagonal().map(|v| 1.0 / v.sqrt()))
-        }))
-    }
-
-    /// Of a step its best axis: wᵀ I is what its whitened colours have in common with those of I (Fisher's discriminant).
-    fn axis(&self, step: &Colours) -> [f64; 3] {
-        let axis = self.0.tr_mul(&Vector3::from(step.map(f64::from)));
-        axis.normalize().into()
-    }
-}
+/// Lines of a family whose sums say how noisy the image is, and the share of the rows that they have at least.
+const SAMPLED: usize = 2048;
+const SAMPLED_ROWS: f32 = 0.3;
 
 pub(crate) fn dot(a: &Colours, b: &Colours) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -352,8 +321,13 @@ pub(crate) fn edges(binned: &Binned, most: usize, floor: f64) -> Vec<Edge> {
         grid,
         sums: sums.chunks_exact(grid.len()).collect(),
     });
-    let whitening = Whitening::of(&families, channels, floor);
-    let mut found: Vec<Edge> = Vec::new();
+    let mut values = vec![Vec::with_capacity(2 * SAMPLED); channels];
+    for family in &families {
+        family.sample(&mut values);
+    }
+    let whitening = Whitening::of(&values, floor);
+    // Scores, and which family's which line.
+    let mut found: Vec<(f32, &Family<'_>, usize)> = Vec::new();
     let mut peaks = Vec::new();
     for family in &families {
         let scores = family.scores(&whitening);
@@ -361,28 +335,142 @@ pub(crate) fn edges(binned: &Binned, most: usize, floor: f64) -> Vec<Edge> {
         for (slope, row) in scores.chunks_exact(places).enumerate() {
             peaks.clear();
             maxima(row, LEAST_SCORE * LEAST_SCORE, &mut peaks);
-            for &place in &peaks {
-                let at = slope * places + place;
-                if !family.is_peak(at, &scores, &whitening) {
-                    continue;
-                }
-                let root = family.grid.counts(slope)(place).sqrt();
-                let step = family.colours(at, &whitening).map(|colour| colour / root);
-                let [down, right] = family.top(at, &whitening);
-                let (line, normal) =
-                    family.line(slope as f64 + down, place as f64 + right, binned.factor);
-                found.push(Edge {
-                    line,
-                    normal,
-                    step,
-                    score: scores[at].sqrt(),
-                    axis: whitening.axis(&step),
-                    colour: family.light(at).normalize().into(),
-                });
-            }
+            let lines = peaks.iter().map(|place| slope * places + place);
+            let ours = lines.filter(|line| family.is_peak(*line, &scores, &whitening));
+            found.extend(ours.map(|line| (scores[line], family, line)));
         }
     }
-    found.sort_by(|a, b| b.score.total_cmp(&a.score));
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
     found.truncate(most);
-    found
+    let edge = |(_, family, line): (f32, &Family<'_>, usize)| {
+        family.edge(line, &whitening, binned.factor as f64)
+    };
+    found.into_iter().map(edge).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Deviates of unit variance, the same on every machine.
+    struct Noise(u32);
+
+    impl Noise {
+        fn next(&mut self) -> f64 {
+            let mut uniform = || {
+                self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                f64::from(self.0 >> 8) / f64::from(1 << 24)
+            };
+            (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+        }
+    }
+
+    /// Noise on what `light` is at a place.
+    fn painted(
+        [width, height]: [usize; 2],
+        channels: usize,
+        noise: &mut Noise,
+        light: impl Fn(&Pixel) -> f64,
+    ) -> Binned {
+        let mut plane = || {
+            (0..width * height)
+                .map(|at| Pixel::new((at % width) as f64 + 0.5, (at / width) as f64 + 0.5))
+                .map(|place| (light(&place) + 0.02 * noise.next()) as f32)
+                .collect()
+        };
+        Binned {
+            factor: 1,
+            width,
+            height,
+            planes: (0..channels).map(|_| plane()).collect(),
+        }
+    }
+
+    /// Steps of 2.5 times the noise are the strongest edges, a pixel off at most at the ends, and their sign is right.
+    #[test]
+    fn steps_are_found_at_all_angles() {
+        let size = [90, 70];
+        let mut noise = Noise(1);
+        for turn in 0..60 {
+            let (sin, cos) = libm::sincos(core::f64::consts::TAU * f64::from(turn) / 60.0);
+            let normal = Pixel::new(cos, sin);
+            let through = Pixel::new(45.0 + 8.0 * noise.next(), 35.0 + 6.0 * noise.next());
+            let ahead = |place: &Pixel| normal.dot(&(place - through));
+            let light = |place: &Pixel| 0.3 + 0.05 * (ahead(place) + 0.5).clamp(0.0, 1.0);
+            let binned = painted(size, if turn % 2 == 0 { 3 } else { 1 }, &mut noise, light);
+            let found = edges(&binned, 4, 1e-4);
+            let edge = found.first().expect("an edge");
+            let [from, to] =
+                super::super::strip::chord(edge, size.map(|v| v as f64)).expect("a chord");
+            for end in [from, to] {
+                assert!(ahead(&end).abs() < 1.0, "{turn}: {} px off", ahead(&end));
+            }
+            let sign = edge.normal.dot(&normal);
+            assert!(
+                edge.colour.iter().all(|c| c * sign >= 0.0),
+                "{turn}: {edge:?}"
+            );
+            // A step of s over noise n is summed over L rows to s √L / √2 n, a colour; somewhat less for wobbling.
+            let rows = (to - from).abs().max();
+            let ideal = 2.5 * (rows * binned.planes.len() as f64 / 2.0).sqrt();
+            let share = f64::from(edge.score) / ideal;
+            assert!((0.5..1.2).contains(&share), "{turn}: {share}");
+        }
+    }
+
+    /// Both sides of a bright line a pixel and a half wide are found, with opposite signs.
+    #[test]
+    fn thin_rods_have_two_sides() {
+        let size = [80, 96];
+        let mut noise = Noise(7);
+        for turn in 0..20 {
+            let (sin, cos) = libm::sincos(core::f64::consts::PI * f64::from(turn) / 20.0);
+            let normal = Pixel::new(cos, sin);
+            let off = |place: &Pixel| normal.dot(place) - normal.dot(&Pixel::new(41.0, 47.0));
+            let light = |place: &Pixel| 0.2 + 0.06 * (1.25 - off(place).abs()).clamp(0.0, 1.0);
+            let found = edges(&painted(size, 3, &mut noise, light), 2, 1e-4);
+            let [a, b] = &found[..] else {
+                panic!("{found:?}");
+            };
+            let along = if a.normal.dot(&b.normal) < 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
+            assert!(along * dot(&a.step, &b.step) < 0.0, "{turn}: {found:?}");
+            let [from, to] = [a, b].map(|edge| edge.line.distance_px(&Pixel::new(41.0, 47.0)));
+            assert!(from.abs() < 2.0 && to.abs() < 2.0, "{turn}: {from} {to}");
+        }
+    }
+
+    /// Noise, also correlated noise, has few edges and none that are strong.
+    #[test]
+    fn noise_has_few_edges() {
+        let mut noise = Noise(3);
+        for blob in [1, 3] {
+            let (mut all, mut strong) = (0, 0);
+            for _ in 0..10 {
+                let white = painted([120 + blob, 100 + blob], 3, &mut noise, |_| 0.3);
+                let mut binned = white.clone();
+                (binned.width, binned.height) = (120, 100);
+                for (plane, white_plane) in binned.planes.iter_mut().zip(&white.planes) {
+                    let at = |x, y| white_plane[y * white.width + x];
+                    *plane = (0..120 * 100)
+                        .map(|i| (i % 120, i / 120))
+                        .map(|(x, y)| {
+                            let block = (0..blob * blob).map(|k| at(x + k % blob, y + k / blob));
+                            block.sum::<f32>() / blob as f32
+                        })
+                        .collect();
+                }
+                let found = edges(&binned, usize::MAX, 1e-4);
+                all += found.len();
+                strong += found.iter().filter(|edge| edge.score > 6.0).count();
+            }
+            assert!(
+                all < 10 * 100 && strong <= 1,
+                "{blob}: {all}, {strong} strong"
+            );
+        }
+    }
 }
