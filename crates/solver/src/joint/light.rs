@@ -103,11 +103,13 @@ impl<'a> Light<'a> {
             height,
             planes: vec![vec![0.0; width * height]; self.channels],
         };
+        // The narrowest sums that hold a square of the largest codes are the fastest.
         match self.codes {
-            // Narrow sums are faster, and a column of so many codes does not overflow them.
-            Codes::U8(codes, _) if factor <= 256 => self.bin::<u8, u16>(codes, &mut binned),
-            Codes::U8(codes, _) => self.bin::<u8, u32>(codes, &mut binned),
-            Codes::U16(codes, _) => self.bin::<u16, u32>(codes, &mut binned),
+            Codes::U8(codes, _) if factor <= 16 => self.bin::<u8, u16>(codes, &mut binned),
+            Codes::U8(codes, _) if factor <= 4096 => self.bin::<u8, u32>(codes, &mut binned),
+            Codes::U8(codes, _) => self.bin::<u8, u64>(codes, &mut binned),
+            Codes::U16(codes, _) if factor <= 256 => self.bin::<u16, u32>(codes, &mut binned),
+            Codes::U16(codes, _) => self.bin::<u16, u64>(codes, &mut binned),
         }
         binned
     }
@@ -115,45 +117,38 @@ impl<'a> Light<'a> {
     fn bin<T, S>(&self, codes: &[T], binned: &mut Binned)
     where
         T: Copy + Bounded,
-        S: Copy + Default + From<T> + Into<i64> + AddAssign,
+        S: Copy + Default + From<T> + Into<u64> + AddAssign,
     {
-        let factor = binned.factor;
-        let mut sums = vec![S::default(); self.channels * binned.width * factor];
+        let (channels, factor) = (self.channels, binned.factor);
+        let share = 1.0 / (T::LAST * (factor * factor) as f32);
+        let mut columns = vec![S::default(); channels * binned.width * factor];
+        let mut squares = columns.clone();
         for row in 0..binned.height {
-            sums.fill(S::default());
+            columns.fill(S::default());
             for row in row * factor..(row + 1) * factor {
                 let first = self.first + row * self.stride;
-                let row = &codes[first..first + sums.len()];
-                for (sum, code) in sums.iter_mut().zip(row) {
+                for (sum, code) in columns.iter_mut().zip(&codes[first..]) {
                     *sum += S::from(*code);
                 }
             }
-            let places = row * binned.width..(row + 1) * binned.width;
-            let mut planes = binned.planes.iter_mut().map(|p| &mut p[places.clone()]);
-            match (planes.next(), planes.next(), planes.next()) {
-                (Some(r), Some(g), Some(b)) => {
-                    let squares = sums.chunks_exact(3 * factor);
-                    for (((r, g), b), square) in r.iter_mut().zip(g).zip(b).zip(squares) {
-                        let mut sum = [0_i64; 3];
-                        for pixel in square.chunks_exact(3) {
-                            for (sum, part) in sum.iter_mut().zip(pixel) {
-                                *sum += (*part).into();
-                            }
-                        }
-                        [*r, *g, *b] = sum.map(|sum| sum as f32);
-                    }
+            // Squares from all columns on, though few are needed: neighbours in memory are added at once.
+            squares.copy_from_slice(&columns);
+            for ahead in 1..factor {
+                for (sum, column) in squares.iter_mut().zip(&columns[ahead * channels..]) {
+                    *sum += *column;
                 }
-                (Some(grey), ..) => {
-                    for (grey, square) in grey.iter_mut().zip(sums.chunks_exact(factor)) {
-                        *grey = square.iter().map(|part| (*part).into()).sum::<i64>() as f32;
-                    }
-                }
-                _ => {}
             }
-        }
-        let share = 1.0 / (T::LAST * (factor * factor) as f32);
-        for value in binned.planes.iter_mut().flatten() {
-            *value = nearly_decoded(*value * share);
+            for (channel, plane) in binned.planes.iter_mut().enumerate() {
+                let ours = squares.iter().skip(channel).step_by(channels * factor);
+                let plane = &mut plane[row * binned.width..][..binned.width];
+                for (value, sum) in plane.iter_mut().zip(ours) {
+                    let sum: u64 = (*sum).into();
+                    *value = sum.cast_signed() as f32;
+                }
+                for value in plane {
+                    *value = nearly_decoded(*value * share);
+                }
+            }
         }
     }
 }
