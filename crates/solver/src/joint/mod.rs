@@ -1,9 +1,9 @@
 //! The best we can do: limbs found without a threshold in all colours, then one fit of the rod to the pixels of both images.
 //!
-//! `sums` finds edges in all colours at once, `strip` pairs them, `pair` matches strips of both eyes; `trace` and `contrast` look
-//! closer; `bands`, `spread` and `fit` are the likelihood of a rod, `climb` its maximum, `judge` its covariance and redundancies. Each
-//! limb has its own axis of colours and its own light inside: lamps beside the cameras end in shadows that no one profile across
-//! the rod holds.
+//! `sums` finds edges in all colours at once (`radon` adds along lines, `whitening` knows the noise), `strip` pairs them, `pair`
+//! matches strips of both eyes; `trace` and `contrast` look closer; `bands`, `spread` and `fit` are the likelihood of a rod, `climb`
+//! its maximum, `judge` its covariance and redundancies. Each limb has its own axis of colours and its own light inside: lamps beside
+//! the cameras end in shadows that no one profile across the rod holds.
 //!
 //! Not in it yet: bent, striped and overgrown rods; rods whose limb lies in its own lamp's shadow (the limb is taken to be where the
 //! light begins, and the covariance does not know it); more than two views; speed.

@@ -328,20 +328,29 @@ pub(crate) fn edges(binned: &Binned, most: usize, floor: f64) -> Vec<Edge> {
     let whitening = Whitening::of(&values, floor);
     // Scores, and which family's which line.
     let mut found: Vec<(f32, &Family<'_>, usize)> = Vec::new();
+    let strongest = |found: &mut Vec<(f32, &Family<'_>, usize)>| {
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        found.truncate(most);
+    };
+    let mut least = LEAST_SCORE * LEAST_SCORE;
     let mut peaks = Vec::new();
     for family in &families {
         let scores = family.scores(&whitening);
         let places = family.grid.places();
         for (slope, row) in scores.chunks_exact(places).enumerate() {
             peaks.clear();
-            maxima(row, LEAST_SCORE * LEAST_SCORE, &mut peaks);
+            maxima(row, least, &mut peaks);
             let lines = peaks.iter().map(|place| slope * places + place);
             let ours = lines.filter(|line| family.is_peak(*line, &scores, &whitening));
             found.extend(ours.map(|line| (scores[line], family, line)));
+            // What is weaker than enough others need not be looked at.
+            if found.len() > most.saturating_mul(2) {
+                strongest(&mut found);
+                least = found.last().map_or(least, |weakest| weakest.0);
+            }
         }
     }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.truncate(most);
+    strongest(&mut found);
     let edge = |(_, family, line): (f32, &Family<'_>, usize)| {
         family.edge(line, &whitening, binned.factor as f64)
     };
