@@ -42,8 +42,9 @@ use strip::Strip;
 const EDGES: usize = 48;
 /// Strips of an image that are paired with the other's.
 const STRIPS: usize = 12;
-/// How many pixels, and how many a side, a region has at most as it is searched: first, and again where nothing was found.
-const COARSE: [(usize, usize); 2] = [(1 << 15, 256), (1 << 17, 512)];
+/// How many pixels, and how many a side, a region has at most as it is searched. Where nothing was found it is searched again: coarser
+/// for what is faint, finer for what texture hides.
+const COARSE: [(usize, usize); 3] = [(1 << 15, 256), (1 << 13, 128), (1 << 17, 512)];
 /// Rods that are fitted in turn until one fits, and what is likely enough of the likeliest to be tried.
 const TRIED: usize = 6;
 const LEAST_SHARE: f64 = 0.2;
@@ -86,8 +87,10 @@ fn see<'a>(request: &Request<'a>, eye: Eye) -> Result<Seen<'a>, Refusal> {
         .filter(|pick| pick.eye == eye)
         .map(|pick| pick.pixel - Pixel::new(roi.x_px.into(), roi.y_px.into()));
     let factors = COARSE.map(|(pixels, side)| light.factor(pixels, side));
-    let looks = if factors[0] == factors[1] { 1 } else { 2 };
-    for factor in factors.into_iter().take(looks) {
+    for (look, factor) in factors.into_iter().enumerate() {
+        if factors[..look].contains(&factor) {
+            continue;
+        }
         let binned = light.binned(factor);
         let floor = 2e-4 / factor as f64;
         let edges = sums::edges(&binned, EDGES, floor);
