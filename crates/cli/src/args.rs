@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
-use rodsight_geometry::{Eye, Pixel};
-use rodsight_solver::{Method, Pick, RadiusPrior, Roi};
+use rodsight_geometry::{Eye, Pixel, radians};
+use rodsight_solver::{CalibrationSigma, Method, Pick, RadiusPrior, Roi};
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, 1 failed, 2 bad usage or input, 3 refused or gate not met, 4 no adapter, 75 retry later, 130 interrupted.";
@@ -94,7 +94,8 @@ pub(crate) enum Backend {
 Examples:
   rodsight solve --left pair/left.png --right pair/right.png --rig pair/rig.toml --pick 1029.3,637.0
   rodsight solve --left l.png --right r.png --rig camchain.yaml --roi-left 700,0,640,1080 --roi-right 80,0,640,1080 \\
-      --pick 1029,637,left --radius-m 0.05,0.001 --method paper-bisector --json
+      --pick 1029,637,left --radius-m 0.05,0.001 --calibration-sigma 0.05,0.02 --json
+  rodsight solve --left l.png --right r.png --rig camchain.yaml --method paper --trace steps
 
 Everything in the answer is in the rig frame: x forward, y starboard, z down. Regions and picks are image pixels from the
 top-left corner, whatever origin the rig file declares. A refusal prints its reason (and its JSON) and exits with 3.")]
@@ -121,12 +122,16 @@ pub(crate) struct SolveArgs {
     #[arg(long, value_name = "R[,SIGMA]", value_parser = parse_radius, allow_hyphen_values = true)]
     pub(crate) radius_m: Option<RadiusPrior>,
     /// How to locate it
-    #[arg(long, default_value = Method::PaperBisector.name(), value_parser = parse_method)]
+    #[arg(long, default_value = Method::Joint.name(), value_parser = parse_method)]
     pub(crate) method: Method,
-    /// Parameters of the method (TOML); what it does not name keeps its default
+    /// How well the cameras are known: standard deviation of where an eye sees anything, px, and of its roll, degrees; joint adds
+    /// it to what it is not sure of
+    #[arg(long, value_name = "PX[,ROLL_DEG]", value_parser = parse_calibration, allow_hyphen_values = true)]
+    pub(crate) calibration_sigma: Option<CalibrationSigma>,
+    /// Parameters of the paper's methods (TOML); what it does not name keeps its default
     #[arg(long)]
     pub(crate) params: Option<PathBuf>,
-    /// Write edges, votes and lines (the paper's figure 6) as PNG to this folder
+    /// Write edges, votes and lines of the paper's methods (its figure 6) as PNG to this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) trace: Option<PathBuf>,
     /// Print the answer as JSON
@@ -228,6 +233,19 @@ fn parse_radius(text: &str) -> Result<RadiusPrior, String> {
         }),
         _ => Err("expected metres, as 0.05 or 0.05,0.001".to_owned()),
     }
+}
+
+fn parse_calibration(text: &str) -> Result<CalibrationSigma, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(str::parse).collect();
+    let (pixel_px, roll_deg) = match numbers.as_deref() {
+        Ok(&[pixel_px]) => (pixel_px, 0.0),
+        Ok(&[pixel_px, roll_deg]) => (pixel_px, roll_deg),
+        _ => return Err("expected pixels and degrees, as 0.05 or 0.05,0.02".to_owned()),
+    };
+    Ok(CalibrationSigma {
+        pixel_px,
+        roll_rad: radians(roll_deg),
+    })
 }
 
 fn parse_method(text: &str) -> Result<Method, String> {

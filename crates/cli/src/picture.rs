@@ -10,5 +10,6 @@ pub(crate) use trace::{figure6, write_trace};
 
 pub(crate) const GREEN: Colour = Colour(46, 204, 113);
 pub(crate) const YELLOW: Colour = Colour(255, 214, 10);
+pub(crate) const WHITE: Colour = Colour(255, 255, 255);
 pub(crate) const MAGENTA: Colour = Colour(255, 45, 150);
 pub(crate) const CYAN: Colour = Colour(0, 200, 255);

@@ -7,10 +7,9 @@
 //! * [`Method::Paper`]: hue binarisation → Canny → Hough → gate and refit → average of the two limbs → intersection of
 //!   two planes (Wang, Wang, Leng 2022; equation numbers in plain brackets are theirs), faults of the print mended;
 //! * [`Method::PaperBisector`]: the same limbs, but the plane of the axis is the bisector of the tangent planes, which
-//!   removes the paper's depth bias of −r²/Z.
-//!
-//! [`joint`] is in the making and no [`Method`] yet: straight rods without stripes or growth, both limbs lit, it locates to hundredths of a
-//! millimetre; on others it refuses, warns, or is still wrong.
+//!   removes the paper's depth bias of −r²/Z;
+//! * [`Method::Joint`]: limbs found without a threshold in all colours, then the likeliest rod of the pixels of both images: tenths to
+//!   hundredths of a millimetre, bent rods, rigs behind ports, three limbs of four.
 //!
 //! What cannot be known is refused with a reason ([`Status::Refused`] is data); [`SolveError`] is only a request that
 //! makes no sense. This crate sees images and calibration, never a scene: truth cannot leak into it.
@@ -30,15 +29,19 @@
 //! ```
 
 mod estimate;
-pub mod joint;
+mod joint;
 pub mod paper;
 mod request;
+mod solve;
 
 pub use estimate::{
     AxisEstimate, Centerlines, Estimate, EyeReport, GraspEstimate, Observability, Status, TimingMs,
 };
 pub use paper::{
     EdgePoint, EyeTrace, HueWindow, PaperParams, Polarity, RefinedLine, SegmentationMode, Trace,
-    VoteThreshold, VotedLine, Votes, solve, solve_traced,
+    VoteThreshold, VotedLine, Votes,
 };
-pub use request::{Method, Pick, RadiusPrior, Request, Roi, SolveError, UnknownMethod};
+pub use request::{
+    CalibrationSigma, Method, Pick, RadiusPrior, Request, Roi, SolveError, UnknownMethod,
+};
+pub use solve::{solve, solve_traced};

@@ -78,6 +78,17 @@ pub struct RadiusPrior {
     pub sigma_m: Option<f64>,
 }
 
+/// How well the cameras are known: what is added to what an answer is not sure of.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CalibrationSigma {
+    /// Standard deviation of where an eye sees anything, across and down, px: of the principal point and of pointing together.
+    pub pixel_px: f64,
+    /// Standard deviation of an eye's roll, rad.
+    #[serde(default)]
+    pub roll_rad: f64,
+}
+
 /// One pair to solve.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
@@ -91,6 +102,8 @@ pub struct Request<'a> {
     pub pick: Option<Pick>,
     /// Absent: the radius is measured.
     pub radius: Option<RadiusPrior>,
+    /// Absent: the rig is exact.
+    pub calibration: Option<CalibrationSigma>,
 }
 
 impl<'a> Request<'a> {
@@ -102,6 +115,7 @@ impl<'a> Request<'a> {
             roi_right: None,
             pick: None,
             radius: None,
+            calibration: None,
         }
     }
 
@@ -154,6 +168,14 @@ impl<'a> Request<'a> {
                 u_px: pick.pixel.x,
                 v_px: pick.pixel.y,
             });
+        }
+        if let Some(calibration) = &self.calibration {
+            let CalibrationSigma { pixel_px, roll_rad } = *calibration;
+            for (name, found) in [("pixel_px", pixel_px), ("roll_rad", roll_rad)] {
+                if !(found.is_finite() && found >= 0.0) {
+                    return Err(SolveError::Calibration { name, found });
+                }
+            }
         }
         let Some(prior) = &self.radius else {
             return Ok(());
@@ -217,6 +239,8 @@ pub enum SolveError {
     Port { eye: &'static str },
     #[error("{name}: expected a positive number of metres, found {found}")]
     Radius { name: &'static str, found: f64 },
+    #[error("calibration {name}: expected a standard deviation, 0 or more, found {found}")]
+    Calibration { name: &'static str, found: f64 },
     #[error("parameter {name}: expected {expected}, found {found}")]
     Parameter {
         name: &'static str,
@@ -233,17 +257,20 @@ pub enum Method {
     Paper,
     /// The same, but the axis plane bisects the tangent planes.
     PaperBisector,
+    /// The likeliest rod of all pixels around its limbs in both images.
+    Joint,
 }
 
 impl Method {
     /// Every method.
-    pub const ALL: [Self; 2] = [Self::Paper, Self::PaperBisector];
+    pub const ALL: [Self; 3] = [Self::Paper, Self::PaperBisector, Self::Joint];
 
     /// As on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Paper => "paper",
             Self::PaperBisector => "paper-bisector",
+            Self::Joint => "joint",
         }
     }
 }
@@ -256,7 +283,7 @@ impl fmt::Display for Method {
 
 /// A method that does not exist.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("method: expected one of paper, paper-bisector, found `{found}`")]
+#[error("method: expected one of paper, paper-bisector, joint, found `{found}`")]
 pub struct UnknownMethod {
     /// What was asked for.
     pub found: String,

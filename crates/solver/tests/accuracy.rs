@@ -83,7 +83,7 @@ fn accuracy_over_poses_stays_within_its_own_covariance() {
             let pair = scene.pair();
             let mut request = Request::new(&pair);
             request.pick = Some(pick_at(&scene.rig, Eye::Left, &truth.axis.point_m));
-            for method in Method::ALL {
+            for method in [Method::Paper, Method::PaperBisector] {
                 let estimate = solve(&request, method, &PaperParams::default()).unwrap();
                 let what = format!("{direction:?} {at:?} {method}: {:?}", estimate.reason);
                 assert_ne!(estimate.status, Status::Refused, "{what}");
@@ -192,7 +192,7 @@ fn parallel_to_the_baseline_is_refused_and_its_direction_kept() {
             let pair = scene.pair();
             let mut request = Request::new(&pair);
             request.pick = Some(pick_at(&scene.rig, Eye::Left, &truth.axis.point_m));
-            for method in Method::ALL {
+            for method in [Method::Paper, Method::PaperBisector] {
                 let estimate = solve(&request, method, &PaperParams::default()).unwrap();
                 assert_eq!(
                     estimate.status,
@@ -207,16 +207,15 @@ fn parallel_to_the_baseline_is_refused_and_its_direction_kept() {
                 assert!(estimate.centerlines.unwrap().left.is_some());
                 assert!(estimate.grasp.is_none() && estimate.radius_m.is_none());
                 let direction = estimate.axis.and_then(|a| a.direction);
-                match method {
-                    Method::Paper => assert_eq!(direction, None),
-                    Method::PaperBisector => {
-                        let line = Line3::new(truth.axis.point_m, &direction.unwrap().into());
-                        let sigma = estimate.observability.direction_sigma_rad.unwrap();
-                        let angle = line.angle_to(&truth.axis);
-                        assert!(angle < 3.0 * sigma, "{slope} {radius_m}: {angle} {sigma}");
-                        assert!(estimate.axis.unwrap().point_m.is_none());
-                    }
+                if method == Method::Paper {
+                    assert_eq!(direction, None);
+                    continue;
                 }
+                let line = Line3::new(truth.axis.point_m, &direction.unwrap().into());
+                let sigma = estimate.observability.direction_sigma_rad.unwrap();
+                let angle = line.angle_to(&truth.axis);
+                assert!(angle < 3.0 * sigma, "{slope} {radius_m}: {angle} {sigma}");
+                assert!(estimate.axis.unwrap().point_m.is_none());
             }
         }
     }

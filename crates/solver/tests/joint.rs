@@ -13,13 +13,15 @@ use rodsight_geometry::port::{FlatPort, Port, PortShape};
 use rodsight_geometry::{
     Cylinder, Distortion, Eye, Image, Rig, Samples, StereoPair, Vec3, angle_between,
 };
-use rodsight_solver::{Estimate, RadiusPrior, Request, Roi, Status, joint};
+use rodsight_solver::{
+    CalibrationSigma, Estimate, Method, PaperParams, RadiusPrior, Request, Roi, Status, solve,
+};
 
 /// A rod between two lamps, which light both of its limbs.
 fn lit(truth: Cylinder) -> Scene {
     let mut scene = Scene::new(&rig(), vec![truth]);
-    let lamp = |aside: f64| Some(Vec3::new(-0.5, aside, -0.15).normalize());
-    (scene.lamp, scene.second_lamp) = (lamp(-0.9), lamp(0.9));
+    let lamp = |aside: f64| Vec3::new(-0.5, aside, -0.15).normalize();
+    scene.lamps = vec![lamp(-0.9), lamp(0.9)];
     scene.rod_colour = [0.6, 0.3, 0.06];
     scene.background = [0.02, 0.05, 0.08];
     scene.samples = 16;
@@ -30,13 +32,17 @@ fn rig() -> Rig {
     rig_of(1280, 720, 1566.5776 / 1.5, Distortion::None)
 }
 
+fn joint(request: &Request<'_>) -> Estimate {
+    solve(request, Method::Joint, &PaperParams::default()).unwrap()
+}
+
 fn solved(pair: &StereoPair, truth: Option<&Cylinder>) -> Estimate {
     let pick = truth.map(|truth| pick_at(&pair.rig, Eye::Left, &truth.axis.point_m));
     let request = Request {
         pick,
         ..Request::new(pair)
     };
-    joint::solve(&request).unwrap()
+    joint(&request)
 }
 
 /// Rods across the view, upright, oblique and thick.
@@ -98,7 +104,7 @@ fn rods_behind_ports_are_located_as_well() {
         roi_right: region(Eye::Right),
         ..Request::new(&pair)
     };
-    let estimate = joint::solve(&request).unwrap();
+    let estimate = joint(&request);
     assert_eq!(estimate.status, Status::Ok, "{:?}", estimate.reason);
     let offset_mm = 1e3 * offset_m(&estimate, &truth);
     println!("{offset_mm:.3} mm");
@@ -111,11 +117,10 @@ fn rods_behind_ports_are_located_as_well() {
     // Who does not know of the glass is far off, or knows that something is wrong.
     let mut bare = pair.clone();
     (bare.rig.left.port, bare.rig.right.port) = (None, None);
-    let wrong = joint::solve(&Request {
+    let wrong = joint(&Request {
         pair: &bare,
         ..request
     });
-    let wrong = wrong.unwrap();
     let knows = wrong.status == Status::Refused;
     assert!(knows || offset_m(&wrong, &truth) > 0.1, "{wrong:?}");
 }
@@ -151,10 +156,107 @@ fn a_known_radius_is_used() {
         }),
         ..Request::new(&pair)
     };
-    let estimate = joint::solve(&request).unwrap();
+    let estimate = joint(&request);
     assert!((estimate.radius_m.unwrap() - truth.radius_m).abs() < 3e-5);
     assert!(estimate.radius_sigma_m.unwrap() <= 1e-5);
     assert!(offset_m(&estimate, &truth) < 4e-4);
+}
+
+/// One that is wrong contradicts the limbs.
+#[test]
+fn a_wrong_radius_is_refused() {
+    let truth = rods()[0];
+    let pair = lit(truth).pair();
+    for (times, sigma_m) in [(1.02, None), (0.98, Some(1e-4)), (1.15, None)] {
+        let request = Request {
+            radius: Some(RadiusPrior {
+                radius_m: times * truth.radius_m,
+                sigma_m,
+            }),
+            pick: Some(pick_at(&pair.rig, Eye::Left, &truth.axis.point_m)),
+            ..Request::new(&pair)
+        };
+        refused(&joint(&request), "radius_contradicts");
+    }
+}
+
+/// A rod that bends by 2 % of its length is located as well, and its direction is that of its tangent at the grasp.
+#[test]
+fn a_bent_rod_has_the_tangent_at_the_grasp() {
+    let truth = rods()[0];
+    let mut scene = lit(truth);
+    scene.curvature_per_m = Vec3::new(0.05, 0.15, -0.1);
+    let pair = scene.pair();
+    let estimate = solved(&pair, Some(&truth));
+    assert_ne!(estimate.status, Status::Refused, "{:?}", estimate.reason);
+    let direction = Vec3::from(estimate.axis.unwrap().direction.unwrap());
+    let angle = angle_between(&direction, &truth.axis.direction);
+    let angle_deg = angle.min(core::f64::consts::PI - angle).to_degrees();
+    let offset_mm = 1e3 * offset_m(&estimate, &truth);
+    println!("{offset_mm:.3} mm, {angle_deg:.4}°");
+    assert!(offset_mm < 0.2, "{offset_mm} mm");
+    assert!(angle_deg < 0.05, "{angle_deg}°");
+}
+
+/// One lamp from ever farther aside: its light ends before a limb. The answer is right, or within what it is not sure of, or the
+/// limb is said to be lost.
+#[test]
+fn light_that_ends_before_a_limb_is_no_limb() {
+    let truth = rods()[0];
+    let mut sure = 0;
+    for aside_deg in [0.0_f64, 10.0, 20.0, 30.0, 45.0, 60.0, 75.0] {
+        let mut scene = lit(truth);
+        let (sin, cos) = (
+            libm::sin(aside_deg.to_radians()),
+            libm::cos(aside_deg.to_radians()),
+        );
+        scene.lamps = vec![Vec3::new(-cos, sin, -0.1 * sin)];
+        scene.ambient = 0.05;
+        scene.noise_sigma = 0.004;
+        let estimate = solved(&scene.pair(), Some(&truth));
+        if estimate.status == Status::Refused {
+            println!("{aside_deg}°: {:?}", estimate.reason);
+            continue;
+        }
+        let offset_mm = 1e3 * offset_m(&estimate, &truth);
+        let sigma_mm = 1e3 * estimate.observability.depth_sigma_m.unwrap();
+        println!(
+            "{aside_deg}°: {offset_mm:.3} mm of {sigma_mm:.3}, {:?}",
+            estimate.reason
+        );
+        assert!(offset_mm < 1.0, "{aside_deg}°: {offset_mm} mm");
+        if estimate.status == Status::Ok {
+            assert!(
+                offset_mm < 5.0 * sigma_mm,
+                "{aside_deg}°: {offset_mm} mm of {sigma_mm}"
+            );
+            sure += 1;
+        }
+    }
+    assert!(sure >= 2, "{sure}");
+}
+
+/// Cameras that are known less well make an answer less sure, by what geometry says: a pixel of disparity is 2.1 mm here.
+#[test]
+fn doubtful_cameras_make_doubtful_rods() {
+    let truth = rods()[1];
+    let pair = lit(truth).pair();
+    let sigma_mm = |pixel_px: f64| {
+        let request = Request {
+            calibration: Some(CalibrationSigma {
+                pixel_px,
+                roll_rad: 0.0,
+            }),
+            ..Request::new(&pair)
+        };
+        1e3 * joint(&request).observability.depth_sigma_m.unwrap()
+    };
+    let (exact, doubtful) = (sigma_mm(0.0), sigma_mm(0.5));
+    let focal_px = pair.rig.left.camera.intrinsics().fx_px;
+    // Two eyes, each off by so much: Z² σ √2/(f B).
+    let expected = 1e3 * 1.5 * 1.5 * 0.5 * core::f64::consts::SQRT_2 / focal_px;
+    let added = (doubtful * doubtful - exact * exact).sqrt();
+    assert!((added / expected - 1.0).abs() < 0.1, "{added} {expected}");
 }
 
 #[test]
@@ -217,7 +319,7 @@ fn regions_and_grey_images_of_any_kind_are_answered_or_refused() {
             roi_right: roi(),
             ..Request::new(&grey)
         };
-        let estimate = joint::solve(&request).unwrap();
+        let estimate = joint(&request);
         if estimate.status == Status::Ok {
             let off = offset_m(&estimate, &truth);
             let sigma_m = estimate.observability.depth_sigma_m.unwrap();

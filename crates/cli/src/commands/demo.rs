@@ -46,7 +46,7 @@ struct Solved {
     /// Null where the method refused.
     errors: Option<Errors>,
     #[serde(skip)]
-    trace: Trace,
+    trace: Option<Trace>,
 }
 
 pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
@@ -96,6 +96,7 @@ fn solve_all(scene: &Scene, rendered: &Rendered) -> Result<Vec<Solved>, Failure>
             eye: truth.grasp.pick_eye,
         }),
         radius: None,
+        calibration: None,
     };
     Method::ALL
         .iter()

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Context as _;
 use rodsight_geometry::{ImageError, Rig, StereoPair, config, degrees};
 use rodsight_render::read_image;
-use rodsight_solver::{Estimate, PaperParams, Request, Status, solve_traced};
+use rodsight_solver::{Estimate, Method, PaperParams, Request, Status, solve_traced};
 
 use crate::args::SolveArgs;
 use crate::commands::{print_json, print_text};
@@ -15,6 +15,18 @@ use crate::progress::Progress;
 use crate::table::Table;
 
 pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
+    if args.method == Method::Joint {
+        for (option, is_given) in [
+            ("--trace", args.trace.is_some()),
+            ("--params", args.params.is_some()),
+        ] {
+            if is_given {
+                return Err(Failure::Input(anyhow::anyhow!(
+                    "{option}: joint has no stages to draw and no parameters; expected --method paper or paper-bisector"
+                )));
+            }
+        }
+    }
     let rig = Rig::load(&args.rig).map_err(Failure::input)?;
     let pair = StereoPair::new(rig, read_image(&args.left)?, read_image(&args.right)?).map_err(
         |error| {
@@ -43,11 +55,12 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         roi_right: args.roi_right,
         pick: args.pick,
         radius: args.radius_m,
+        calibration: args.calibration_sigma,
     };
     let progress = Progress::busy("locating");
     let (estimate, trace) = solve_traced(&request, args.method, &params).map_err(Failure::input)?;
-    if let Some(folder) = &args.trace {
-        picture::write_trace(folder, &trace)?;
+    if let (Some(folder), Some(trace)) = (&args.trace, &trace) {
+        picture::write_trace(folder, trace)?;
     }
     drop(progress);
     if args.json {

@@ -80,7 +80,15 @@ fn bad_image_is_named_whichever_eye_it_is_for() {
     for (path, says) in bad_images(folder.path()) {
         for eye in ["--left", "--right"] {
             let trace = folder.path().join("trace");
-            let run = solve(&[eye, text(&path), "--json", "--trace", text(&trace)]);
+            let run = solve(&[
+                eye,
+                text(&path),
+                "--json",
+                "--method",
+                "paper",
+                "--trace",
+                text(&trace),
+            ]);
             run.failed(2, &[&[text(&path)][..], &says].concat());
             assert!(!trace.exists());
         }
@@ -287,6 +295,7 @@ fn bad_parameters_are_named_with_their_file() {
         ("= 3", ["params.toml:1", ""]),
     ] {
         std::fs::write(&path, content).unwrap();
-        solve(&["--params", text(&path)]).failed(2, &[&[text(&path)][..], &says].concat());
+        solve(&["--method", "paper", "--params", text(&path)])
+            .failed(2, &[&[text(&path)][..], &says].concat());
     }
 }

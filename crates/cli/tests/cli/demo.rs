@@ -41,7 +41,7 @@ fn demo_makes_one_page_and_the_files_around_it() {
         .iter()
         .map(|m| m["estimate"]["method"].as_str().unwrap())
         .collect();
-    assert_eq!(by, ["paper", "paper-bisector"]);
+    assert_eq!(by, ["paper", "paper-bisector", "joint"]);
     for method in methods {
         assert_eq!(method["estimate"]["status"], "ok");
         // The path of the example in the help.
@@ -66,7 +66,7 @@ fn demo_makes_one_page_and_the_files_around_it() {
     ];
     let pick = format!("{},{}", pick[0], pick[1]);
     let run = rodsight(&[&args[..], &["--pick", &pick]].concat());
-    assert!(run.done().contains("paper-bisector: ok"));
+    assert!(run.done().contains("joint: ok"));
 }
 
 fn page_is_self_contained(page: &str) {

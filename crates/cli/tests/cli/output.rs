@@ -23,7 +23,7 @@ fn output_that_is_no_folder_is_told_before_any_work() {
         let says = [text(output), "cannot write to this output folder"];
         render_to(output).failed(2, &says);
         rodsight(&["demo", "-o", text(output)]).failed(2, &says);
-        solve(&["--trace", text(output)]).failed(2, &says);
+        solve(&["--method", "paper", "--trace", text(output)]).failed(2, &says);
     }
     assert_eq!(std::fs::read(&file).unwrap(), b"mine");
 }

@@ -218,7 +218,7 @@ fn render_says_what_to_do_next_and_that_works() {
     assert!(
         rodsight_in(folder.path(), &args)
             .done()
-            .starts_with("paper-bisector: ok\n")
+            .starts_with("joint: ok\n")
     );
 }
 

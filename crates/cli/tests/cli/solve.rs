@@ -96,11 +96,11 @@ fn solve_by_every_method_says_which() {
 fn solve_in_words_is_for_people() {
     let run = solve(&[]);
     for text in [
-        "paper-bisector: ok",
+        "joint: ok",
         "axis point, m",
         "axis direction",
         "grasp, m",
-        "radius 5",
+        "radius 49.",
         "x forward",
     ] {
         assert!(run.done().contains(text), "{text} in {run:?}");
@@ -173,10 +173,20 @@ fn solve_takes_parameters_from_a_file() {
         "hough_rho_step_px = 1.0\nhough_theta_step_deg = 1.0\nsegmentation = \"hue\"\n",
     )
     .unwrap();
-    let fine = solve(&["--json", "--params", text(&params)]).json();
+    let fine = solve(&[
+        "--json",
+        "--method",
+        "paper-bisector",
+        "--params",
+        text(&params),
+    ])
+    .json();
     assert_eq!(fine["status"], "ok");
     std::fs::write(&params, "hough_threshold = { votes = 100000 }\n").unwrap();
-    assert_eq!(solve(&["--params", text(&params)]).code, 3);
+    assert_eq!(
+        solve(&["--method", "paper-bisector", "--params", text(&params)]).code,
+        3
+    );
 }
 
 fn refused(run: &Run, code: &str, says: &str) {
@@ -197,10 +207,19 @@ fn refused(run: &Run, code: &str, says: &str) {
 fn solve_refuses_with_a_reason_and_code_3() {
     // Off the rod, on the sand: whose hue is then taken for the rod's.
     refused(
-        &solve(&["--json", "--pick", "20,250"]),
+        &solve(&["--json", "--method", "paper-bisector", "--pick", "20,250"]),
         "no_pair",
         "left image: none of",
     );
+    refused(
+        &solve(&["--json", "--pick", "20,250"]),
+        "pick_off_rod",
+        "pick is off the rod",
+    );
+    for option in ["--params", "--trace"] {
+        let told = "joint has no stages to draw and no parameters";
+        solve(&[option, "somewhere"]).failed(2, &[told]);
+    }
     // The same when the rod's hue is known.
     let folder = folder();
     let params = folder.path().join("params.toml");
@@ -209,7 +228,14 @@ fn solve_refuses_with_a_reason_and_code_3() {
         "hue_window = { from_deg = 350, to_deg = 60, min_saturation = 0.3 }\n",
     )
     .unwrap();
-    let off = ["--params", text(&params), "--pick", "20,250"];
+    let off = [
+        "--method",
+        "paper-bisector",
+        "--params",
+        text(&params),
+        "--pick",
+        "20,250",
+    ];
     refused(
         &solve(&[&off[..], &["--json"]].concat()),
         "pick_off_rod",
@@ -240,7 +266,7 @@ fn solve_refuses_with_a_reason_and_code_3() {
 fn solve_traces_the_figure_of_the_paper() {
     let folder = folder();
     let trace = folder.path().join("trace");
-    solve(&["--json", "--trace", text(&trace)]).json();
+    solve(&["--json", "--method", "paper", "--trace", text(&trace)]).json();
     let panels = ["a-edges", "b-hough", "c-refined-once", "d-refined"];
     let expected: Vec<String> = ["left", "right"]
         .iter()

@@ -3,11 +3,12 @@
 use nalgebra::{SMatrix, SVector};
 use rodsight_geometry::{Eye, PaperGrasp, Vec3, angle_between, surface_foot};
 
-use super::Located;
 use super::climb::Fit;
-use super::fit::{ROD, State};
 use super::judge::Judgement;
+use super::limbs::Limb;
 use super::refusal::Refusal;
+use super::state::{RADIUS, ROD, State};
+use super::{Located, MOST_MISS_RADII, is_enough};
 use crate::{AxisEstimate, Centerlines, Estimate, GraspEstimate, Request};
 
 /// Where a depth is worth nothing.
@@ -17,13 +18,11 @@ const NEAR_BASELINE_RAD: f64 = 0.1;
 /// Shares of the rows that do not look as a rod's: a warning, and a refusal.
 const WARN_HIDDEN: f64 = 0.25;
 const MOST_HIDDEN: f64 = 0.6;
-/// Redundancies that disagree by more are a warning (one rod in a thousand has so much by chance), and a refusal.
-const WARN_CHI2: f64 = 16.3;
-const REFUSE_CHI2: f64 = 200.0;
-/// A limb that is not this much more likely than none is not seen.
-const LEAST_EVIDENCE: f64 = 30.0;
-/// A pick's ray passes the axis no farther than this.
-const MOST_GAP_RADII: f64 = 1.5;
+/// Redundancies that disagree by more than one rod in a thousand by chance are a warning, by so many times that a refusal.
+const WARN_NORMAL: f64 = 3.09;
+const REFUSE_TIMES: f64 = 12.0;
+/// A given radius may be off by so many standard deviations from what the limbs show.
+const MOST_RADIUS_OFF: f64 = 4.0;
 
 /// Fills in what a fit says, or says why it is no answer.
 pub(super) fn give(
@@ -33,10 +32,14 @@ pub(super) fn give(
         fit,
         judgement,
         prior,
+        limbs,
     }: &Located,
 ) -> Result<(), Refusal> {
     let rig = &request.pair.rig;
-    let state = &fit.state;
+    let ray = request
+        .pick
+        .and_then(|pick| rig.eye(pick.eye).ray(&pick.pixel));
+    let state = &fit.state.tangent_at(ray.as_ref());
     let mut cylinder = state.cylinder;
     if cylinder.axis.direction[cylinder.axis.direction.iamax()] < 0.0 {
         cylinder.axis.direction = -cylinder.axis.direction;
@@ -45,12 +48,10 @@ pub(super) fn give(
         0.5 * (rig.left.rig_from_camera.origin_m() + rig.right.rig_from_camera.origin_m());
     let depth_m = (state.cylinder.axis.point_m - between).norm();
     let towards = (state.cylinder.axis.point_m - between) / depth_m;
-    let ray = request
-        .pick
-        .and_then(|pick| rig.eye(pick.eye).ray(&pick.pixel));
     // Point, direction, grasp by the rod's parameters.
     let quantities = |state: &State| -> Option<SVector<f64, 9>> {
         let mut all = SVector::<f64, 9>::zeros();
+        let state = state.tangent_at(ray.as_ref());
         let axis = &state.cylinder.axis;
         let turned = axis.direction.dot(&cylinder.axis.direction).signum();
         all.fixed_rows_mut::<3>(0).copy_from(&axis.foot(&between));
@@ -69,12 +70,12 @@ pub(super) fn give(
     for k in 0..ROD {
         let mut step = SVector::zeros();
         step[k] = 0.1 * covariance[(k, k)].max(0.0).sqrt().clamp(1e-9, 1e-3);
-        let [more, less] = [step, -step].map(|step| quantities(&state.moved(&step)));
+        let [more, less] = [step, -step].map(|step| quantities(&fit.state.moved(&step)));
         let change = more.ok_or(Refusal::Lost)? - less.ok_or(Refusal::Lost)?;
         jacobian.set_column(k, &(change / (2.0 * step[k])));
     }
     let all = jacobian * covariance * jacobian.transpose();
-    let here = quantities(state).ok_or(Refusal::Lost)?;
+    let here = quantities(&fit.state).ok_or(Refusal::Lost)?;
     let o = &mut estimate.observability;
     // Of the reference point, which the images see, along the line of sight.
     let of_point = |k: usize| state.across[k].dot(&towards);
@@ -115,7 +116,18 @@ pub(super) fn give(
             Refusal::DepthUncertain { relative_percent }
         });
     }
+    if let (Some((seen_m, sigma_m)), Some(prior)) = (judgement.seen_radius, prior) {
+        let off = (seen_m - prior.radius_m) / libm::hypot(sigma_m, prior.sigma_m);
+        if off.abs() > MOST_RADIUS_OFF {
+            return Err(Refusal::RadiusContradicts {
+                given_mm: 1e3 * prior.radius_m,
+                seen_mm: 1e3 * seen_m,
+                sigma_mm: 1e3 * sigma_m,
+            });
+        }
+    }
     check(&mut o.warnings, fit, judgement)?;
+    check_limbs(&mut o.warnings, *limbs, prior.is_some())?;
     estimate.axis = Some(AxisEstimate {
         point_m: Some(here.fixed_rows::<3>(0).into_owned().into()),
         direction: Some(direction),
@@ -123,9 +135,15 @@ pub(super) fn give(
             core::array::from_fn(|j| all[(i, j)])
         })),
     });
-    estimate.radius_m = Some(cylinder.radius_m);
-    let sigma_m = covariance[(ROD - 1, ROD - 1)].max(0.0).sqrt();
-    estimate.radius_sigma_m = Some(prior.map_or(sigma_m, |prior| prior.sigma_m.min(sigma_m)));
+    // Of the radius that is known exactly there is nothing to be found.
+    let exact = request.radius.filter(|prior| prior.sigma_m.is_none());
+    let sigma_m = covariance[(RADIUS, RADIUS)].max(0.0).sqrt();
+    estimate.radius_m = Some(exact.map_or(cylinder.radius_m, |exact| exact.radius_m));
+    estimate.radius_sigma_m = Some(match (exact, prior) {
+        (Some(_), _) => 0.0,
+        (None, Some(prior)) => prior.sigma_m.min(sigma_m),
+        (None, None) => sigma_m,
+    });
     let Some((from_m, along)) = ray else {
         return Ok(());
     };
@@ -136,7 +154,7 @@ pub(super) fn give(
     })?;
     o.pick_gap_m = Some(paper.gap_m);
     let radii = paper.gap_m / cylinder.radius_m;
-    if radii > MOST_GAP_RADII {
+    if radii > 1.0 + MOST_MISS_RADII {
         return Err(Refusal::PickOffRod {
             gap_m: paper.gap_m,
             radii,
@@ -156,24 +174,17 @@ pub(super) fn give(
 /// Whether pixels and limbs agree with one straight round rod; what is weak is a warning.
 fn check(warnings: &mut Vec<String>, fit: &Fit, judgement: &Judgement) -> Result<(), Refusal> {
     let (chi2, redundancies) = (judgement.chi2, judgement.redundancies);
-    if chi2 > REFUSE_CHI2 {
+    let usual = chi2_quantile(redundancies, WARN_NORMAL);
+    if chi2 > REFUSE_TIMES * usual {
         return Err(Refusal::Contradiction { chi2, redundancies });
     }
-    if chi2 > WARN_CHI2 {
+    if chi2 > usual {
         warnings.push(format!(
             "the limbs agree badly with one rod (χ² = {chi2:.0} of {redundancies} redundancies)"
         ));
     }
     if !fit.converged {
         return Err(Refusal::Restless);
-    }
-    let limbs = fit.sums.evidence.iter().flatten();
-    let unseen = limbs.filter(|evidence| **evidence < LEAST_EVIDENCE).count();
-    if unseen > 1 {
-        return Err(Refusal::Unseen { unseen });
-    }
-    if unseen == 1 {
-        warnings.push("one of the four limbs is not seen: the others place the rod".to_owned());
     }
     let hidden = 1.0 - fit.rows_kept;
     if hidden > MOST_HIDDEN {
@@ -185,6 +196,44 @@ fn check(warnings: &mut Vec<String>, fit: &Fit, judgement: &Judgement) -> Result
         warnings.push(format!(
             "{:.0} % of the limbs are not those of a straight round rod: hidden, overgrown or bent",
             100.0 * hidden
+        ));
+    }
+    Ok(())
+}
+
+/// The quantile of χ² at a quantile of the normal distribution (Wilson, Hilferty 1931).
+fn chi2_quantile(freedoms: usize, normal: f64) -> f64 {
+    let n = freedoms.max(1) as f64;
+    let part = 2.0 / (9.0 * n);
+    let root = 1.0 - part + normal * part.sqrt();
+    n * root * root * root
+}
+
+/// Whether the limbs that are seen place the rod.
+fn check_limbs(
+    warnings: &mut Vec<String>,
+    limbs: [[Limb; 2]; 2],
+    is_radius_known: bool,
+) -> Result<(), Refusal> {
+    let count = |which| {
+        limbs
+            .iter()
+            .flatten()
+            .filter(|limb| **limb == which)
+            .count()
+    };
+    let (unseen, soft) = (count(Limb::Unseen), count(Limb::Soft));
+    if !is_enough(limbs, is_radius_known) {
+        return Err(Refusal::Unseen { unseen, soft });
+    }
+    if unseen > 0 {
+        warnings.push(format!(
+            "{unseen} of the four limbs not seen: the others place the rod"
+        ));
+    }
+    if soft > 0 {
+        warnings.push(format!(
+            "{soft} of the four limbs lost in the rod's own shadow: the others place the rod"
         ));
     }
     Ok(())

@@ -1,13 +1,17 @@
 //! The pixels around the limbs: row by row (or column by column), with the rays that tell where in them a rod's limb is.
 
-use rodsight_geometry::{Cylinder, MountedCamera, Pixel, Side, Vec3};
+use rodsight_geometry::{MountedCamera, Pixel, Side, Vec3};
 
 use super::light::Light;
+use super::noise;
+use super::state::State;
 
 /// Pixels to either side of a limb that are looked at.
 pub(crate) const REACH_PX: f64 = 10.0;
 /// Of them inside: as far as the light of a round rod is that of its limb, before another lamp's shadow begins.
 pub(crate) const INSIDE_PX: f64 = 5.0;
+/// Of a Gaussian's standard deviation, what is looked at.
+const SOFT_REACH: f64 = 3.5;
 /// Rows that share their shading.
 const BLOCK_ROWS: usize = 24;
 
@@ -24,6 +28,8 @@ pub(crate) struct Cut {
     /// The first pixel's centre from the cut's middle, px.
     pub(crate) first_px: f64,
     pub(crate) values: Vec<f64>,
+    /// One over the variance of each.
+    pub(crate) weights: Vec<f64>,
     /// Where the rod is from the limb: 1 towards larger places, −1 towards smaller ones.
     pub(crate) inwards: f64,
     /// Through the row at −`REACH_PX`, 0 and `REACH_PX` from the middle, and beside the middle a row up and a row down.
@@ -45,6 +51,36 @@ pub(crate) struct Row {
 pub(crate) struct Block {
     pub(crate) eye: usize,
     pub(crate) rows: Vec<Row>,
+    /// By how much light rises inside the limbs plus and minus.
+    pub(crate) rise: [f64; 2],
+}
+
+impl Block {
+    fn new(eye: usize, rows: Vec<Row>) -> Self {
+        let rise = [0, 1].map(|side| {
+            let mean = |from_px: f64, to_px: f64| {
+                let (mut sum, mut count) = (0.0, 0.0);
+                for cut in rows.iter().filter_map(|row| row.cuts[side].as_ref()) {
+                    for (k, value) in cut.values.iter().enumerate() {
+                        let inside_px = cut.inwards * (cut.first_px + k as f64);
+                        if (from_px..to_px).contains(&inside_px) {
+                            sum += value;
+                            count += 1.0;
+                        }
+                    }
+                }
+                (count > 0.0).then(|| sum / count)
+            };
+            let rise = mean(3.0, INSIDE_PX).zip(mean(0.7, 1.7));
+            rise.map_or(0.0, |(deep, shallow)| (deep - shallow).max(0.0))
+        });
+        Self { eye, rows, rise }
+    }
+
+    /// Whether a limb is looked at.
+    pub(crate) fn sees(&self, side: usize) -> bool {
+        self.rows.iter().any(|row| row.cuts[side].is_some())
+    }
 }
 
 /// The limbs as an eye's image is scanned.
@@ -106,6 +142,7 @@ impl Scan<'_> {
         Some(Cut {
             first_px: start + first as f64 + 0.5 - middle,
             values: values.collect(),
+            weights: Vec::new(),
             inwards,
             rays: [
                 self.ray(middle - REACH_PX, along)?,
@@ -126,17 +163,21 @@ struct LimbLine {
     slope: f64,
 }
 
-/// The blocks of an eye around where a cylinder's limbs are seen.
+/// The blocks of an eye around where a rod's limbs are seen, of every so many-th row.
 pub(crate) fn blocks(
     eye: usize,
     mounted: &MountedCamera,
     light: &Light<'_>,
     axes: &[[f64; 3]; 2],
-    cylinder: &Cylinder,
-    inside_px: f64,
+    rod: &State,
+    stride: usize,
 ) -> Option<Vec<Block>> {
-    let middle = limb_pixels(mounted, cylinder, 0.0)?;
-    let step = limb_pixels(mounted, cylinder, 0.02 * distance_m(mounted, cylinder))?;
+    let block_rows = BLOCK_ROWS / stride;
+    // A softer lens spreads a limb wider.
+    let softness_px = SOFT_REACH * rod.blur_px2[eye].sqrt();
+    let (inside_px, outside_px) = (INSIDE_PX.max(softness_px), REACH_PX.max(softness_px + 2.0));
+    let middle = limb_pixels(mounted, rod, 0.0)?;
+    let step = limb_pixels(mounted, rod, 0.02 * distance_m(mounted, rod))?;
     let direction = step[0] - middle[0] + step[1] - middle[1];
     let by_columns = direction.x.abs() > direction.y.abs();
     let (across, along) = if by_columns { (1, 0) } else { (0, 1) };
@@ -153,7 +194,7 @@ pub(crate) fn blocks(
     };
     let mut limbs: Vec<[LimbLine; 2]> = Vec::new();
     // Limbs are straight lines but behind lenses that bend them: short straight pieces stand for them.
-    let pieces = limb_pieces(mounted, cylinder, across, along, first_row, rows);
+    let pieces = limb_pieces(mounted, rod, across, along, first_row, rows);
     for pair in pieces.windows(2) {
         let line = |k: usize| LimbLine {
             from: pair[0][k][1],
@@ -164,8 +205,8 @@ pub(crate) fn blocks(
     }
     let half = 0.5 * rows as f64;
     let mut found = Vec::new();
-    let mut block = Vec::with_capacity(BLOCK_ROWS);
-    for row in first_row..first_row + rows {
+    let mut block = Vec::with_capacity(block_rows);
+    for row in (first_row..first_row + rows).step_by(stride) {
         let along = row as f64 + 0.5;
         let at = |k: usize| -> Option<f64> {
             let piece = limbs.iter().rev().find(|piece| {
@@ -181,9 +222,9 @@ pub(crate) fn blocks(
         let between = 0.5 * (plus + minus);
         let cut = |here: f64, axis: &[f64; 3]| {
             let (from, to, inwards) = if here > between {
-                ((here - inside_px).max(between), here + REACH_PX, -1.0)
+                ((here - inside_px).max(between), here + outside_px, -1.0)
             } else {
-                (here - REACH_PX, (here + inside_px).min(between), 1.0)
+                (here - outside_px, (here + inside_px).min(between), 1.0)
             };
             scan.cut(row, &axis[..light.channels()], [from, here, to], inwards)
                 .filter(|cut| cut.values.len() >= 4)
@@ -197,27 +238,31 @@ pub(crate) fn blocks(
             cuts,
             weight: 1.0,
         });
-        if block.len() == BLOCK_ROWS {
-            found.push(Block {
-                eye,
-                rows: core::mem::take(&mut block),
-            });
+        if block.len() == block_rows {
+            found.push(Block::new(eye, core::mem::take(&mut block)));
         }
     }
-    if block.len() >= BLOCK_ROWS / 3 {
-        found.push(Block { eye, rows: block });
+    if block.len() >= block_rows / 3 {
+        found.push(Block::new(eye, block));
     }
+    // Noise is more of a nuisance than what smoothing hides.
+    let rises: Vec<[f64; 2]> = found.iter().map(|block| block.rise).collect();
+    for (k, block) in found.iter_mut().enumerate() {
+        let near = &rises[k.saturating_sub(1)..(k + 2).min(rises.len())];
+        block.rise =
+            [0, 1].map(|side| near.iter().map(|rise| rise[side]).sum::<f64>() / near.len() as f64);
+    }
+    noise::weigh(&mut found);
     Some(found)
 }
 
-fn distance_m(mounted: &MountedCamera, cylinder: &Cylinder) -> f64 {
-    (cylinder.axis.point_m - mounted.rig_from_camera.origin_m()).norm()
+fn distance_m(mounted: &MountedCamera, rod: &State) -> f64 {
+    (rod.cylinder.axis.point_m - mounted.rig_from_camera.origin_m()).norm()
 }
 
 /// Both limbs' pixels in the cross-section at a place along the axis.
-fn limb_pixels(mounted: &MountedCamera, cylinder: &Cylinder, along_m: f64) -> Option<[Pixel; 2]> {
-    let mut moved = *cylinder;
-    moved.axis.point_m += cylinder.axis.direction * along_m;
+fn limb_pixels(mounted: &MountedCamera, rod: &State, along_m: f64) -> Option<[Pixel; 2]> {
+    let moved = rod.tangent(along_m);
     let pixel = |side| mounted.project(&mounted.limb_point_m(&moved, side)?);
     Some([pixel(Side::Plus)?, pixel(Side::Minus)?])
 }
@@ -226,20 +271,20 @@ fn limb_pixels(mounted: &MountedCamera, cylinder: &Cylinder, along_m: f64) -> Op
 /// seen there.
 fn limb_pieces(
     mounted: &MountedCamera,
-    cylinder: &Cylinder,
+    rod: &State,
     across: usize,
     along: usize,
     first_row: usize,
     rows: usize,
 ) -> Vec<[[f64; 2]; 2]> {
     let (low, high) = (first_row as f64, (first_row + rows) as f64);
-    let scale_m = distance_m(mounted, cylinder);
+    let scale_m = distance_m(mounted, rod);
     let mut found: Vec<[[f64; 2]; 2]> = Vec::new();
     for k in -40..=40 {
         let reach = f64::from(k) / 40.0;
         // Dense in the middle, far at the ends.
         let along_m = scale_m * (0.6 * reach + 1.4 * reach * reach * reach);
-        if let Some(pixels) = limb_pixels(mounted, cylinder, along_m) {
+        if let Some(pixels) = limb_pixels(mounted, rod, along_m) {
             let place = pixels.map(|p| [p[across], p[along]]);
             let margin = rows as f64;
             if place

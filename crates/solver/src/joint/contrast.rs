@@ -1,10 +1,14 @@
 //! The colours by which each limb stands out.
 
-use rodsight_geometry::{Band, Cylinder, MountedCamera};
+use rodsight_geometry::{Band, MountedCamera};
 
-use super::bands::{INSIDE_PX, blocks};
-use super::climb::noise_of;
+use super::bands::blocks;
 use super::light::Light;
+use super::noise;
+use super::state::State;
+
+/// Rows are enough for a median if they are every so many-th.
+const STRIDE: usize = 4;
 
 /// How an eye is looked through.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +24,7 @@ pub(crate) fn view(
     eye: usize,
     mounted: &MountedCamera,
     light: &Light<'_>,
-    cylinder: &Cylinder,
+    rod: &State,
 ) -> Option<View> {
     let channels = light.channels();
     let mut found = [[0.0; 3]; 2];
@@ -35,21 +39,13 @@ pub(crate) fn view(
     for channel in 0..channels {
         let mut unit = [0.0; 3];
         unit[channel] = 1.0;
-        let blocks = blocks(
-            eye,
-            &in_band(channel),
-            light,
-            &[unit; 2],
-            cylinder,
-            INSIDE_PX,
-        )?;
-        let noise = noise_of(&blocks, eye, 2e-4);
+        let blocks = blocks(eye, &in_band(channel), light, &[unit; 2], rod, STRIDE)?;
         for (side, axis) in found.iter_mut().enumerate() {
-            let cuts = blocks
-                .iter()
-                .flat_map(|block| &block.rows)
-                .filter_map(|row| row.cuts[side].as_ref());
-            let mut steps: Vec<f64> = cuts
+            let cuts = || {
+                let rows = blocks.iter().flat_map(|block| &block.rows);
+                rows.filter_map(|row| row.cuts[side].as_ref())
+            };
+            let mut steps: Vec<f64> = cuts()
                 .filter_map(|cut| {
                     let mean = |from_px: f64, to_px: f64| {
                         let (mut sum, mut count) = (0.0, 0.0);
@@ -70,7 +66,7 @@ pub(crate) fn view(
             }
             let middle = steps.len() / 2;
             let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-            axis[channel] = *median / (noise.inside + noise.outside);
+            axis[channel] = *median / noise::typical(cuts());
             worth[channel] += *median * axis[channel];
         }
     }

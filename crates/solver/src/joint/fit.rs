@@ -5,20 +5,22 @@
 //! a slope on each side. Both are blurred by lens and pixel. Shading is linear and eliminated block by block.
 
 use nalgebra::{SMatrix, SVector};
-use rodsight_geometry::{Cylinder, Line3, Vec3};
+
+use rodsight_geometry::Line3;
 
 use super::bands::{Block, Cut, REACH_PX, Ray, Row};
-use super::spread::{LEAST_BLUR_PX2, Spread};
+use super::shade::{BY_BLUR, BY_FAR, BY_NEAR, KNOWN, OF_FAR, OF_SHADOW, PixelModel, Shading};
+use super::spread::Spread;
+use super::state::{RADIUS, ROD, State, UNKNOWNS, of_shadow};
 
 /// Shading of a block: three inside each limb, then two outside each.
 pub(crate) const SHADES: usize = 10;
-/// Of the rod: two shifts across, two turns, the radius; then the blur of each eye.
-pub(crate) const ROD: usize = 5;
-pub(crate) const UNKNOWNS: usize = ROD + 2;
-/// Shift and turn of each limb of each eye.
-pub(crate) const EDGES: usize = 8;
-/// Of a block: shading, rod, its eye's blur, and the edges of its eye.
-const LOCAL: usize = SHADES + ROD + 1 + EDGES / 2;
+/// Shift, turn and bow of each limb of each eye.
+pub(crate) const EDGES: usize = 12;
+/// Of a block: shading, rod, and of its eye the blur, the shadows and the edges.
+const SHADOWS: usize = SHADES + ROD + 1;
+const LIMBS: usize = SHADOWS + 4;
+const LOCAL: usize = LIMBS + EDGES / 2;
 
 pub(crate) type Shades = SVector<f64, SHADES>;
 type Local = SMatrix<f64, LOCAL, LOCAL>;
@@ -27,66 +29,44 @@ type LocalVector = SVector<f64, LOCAL>;
 /// Residuals beyond so many standard deviations weigh less.
 const HUBER: f64 = 3.0;
 
-/// A rod and what blurs it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct State {
-    pub(crate) cylinder: Cylinder,
-    /// Two unit vectors across the axis.
-    pub(crate) across: [Vec3; 2],
-    /// Of each eye, px².
-    pub(crate) blur_px2: [f64; 2],
-}
-
-impl State {
-    pub(crate) fn new(cylinder: Cylinder, blur_px2: f64) -> Self {
-        let d = cylinder.axis.direction;
-        let mut least = Vec3::zeros();
-        least[d.iamin()] = 1.0;
-        let first = d.cross(&least).normalize();
-        Self {
-            cylinder,
-            across: [first, d.cross(&first)],
-            blur_px2: [blur_px2; 2],
+/// h of a ray and how it changes with the rod's two shifts, two turns and two bends.
+fn distance(state: &State, ray: &Ray) -> (f64, [f64; 6]) {
+    let mut axis = state.cylinder.axis;
+    // Where along the axis it is nearest to the ray: a bent one is as straight there as its tangent.
+    let mut along_m = nearest_m(&axis, ray);
+    if state.bend_per_m.is_some() {
+        for _ in 0..2 {
+            axis = state.tangent(along_m).axis;
+            along_m += nearest_m(&axis, ray);
         }
+        axis = state.tangent(along_m).axis;
+    } else {
+        axis.point_m += axis.direction * along_m;
     }
-
-    pub(crate) fn moved(&self, by: &SVector<f64, UNKNOWNS>) -> Self {
-        let [e1, e2] = self.across;
-        let axis = &self.cylinder.axis;
-        let d = (axis.direction + e1 * by[2] + e2 * by[3]).normalize();
-        let first = (e1 - d * d.dot(&e1)).normalize();
-        let blur = |k: usize| {
-            let factor = libm::exp(by[ROD + k].clamp(-2.0, 2.0));
-            (self.blur_px2[k] * factor).clamp(LEAST_BLUR_PX2, 25.0)
-        };
-        Self {
-            cylinder: Cylinder {
-                axis: Line3 {
-                    point_m: axis.point_m + e1 * by[0] + e2 * by[1],
-                    direction: d,
-                },
-                radius_m: (self.cylinder.radius_m + by[4]).max(0.2 * self.cylinder.radius_m),
-            },
-            across: [first, d.cross(&first)],
-            blur_px2: [blur(0), blur(1)],
-        }
-    }
-}
-
-/// h of a ray and how it changes with the rod's two shifts and two turns.
-fn distance(state: &State, ray: &Ray) -> (f64, [f64; 4]) {
-    let axis = &state.cylinder.axis;
-    let m = ray.direction.cross(&axis.direction);
+    let (point_m, direction) = (axis.point_m, axis.direction);
+    let m = ray.direction.cross(&direction);
     let norm = m.norm().max(1e-12);
     let unit = m / norm;
-    let q = axis.point_m - ray.origin_m;
+    let q = point_m - ray.origin_m;
     let h = q.dot(&unit);
     let turn = (q - unit * h).cross(&ray.direction) / norm;
-    let [e1, e2] = state.across;
-    (
-        h,
-        [unit.dot(&e1), unit.dot(&e2), turn.dot(&e1), turn.dot(&e2)],
-    )
+    let mut slopes = [0.0; 6];
+    for (k, across) in state.across.iter().enumerate() {
+        let (shifted, turned) = (unit.dot(across), turn.dot(across));
+        slopes[k] = shifted;
+        slopes[2 + k] = turned + along_m * shifted;
+        slopes[4 + k] = along_m * (turned + 0.5 * along_m * shifted);
+    }
+    (h, slopes)
+}
+
+/// How far along an axis from its point it is nearest to a ray.
+fn nearest_m(axis: &Line3, ray: &Ray) -> f64 {
+    let w = axis.point_m - ray.origin_m;
+    let cos = axis.direction.dot(&ray.direction);
+    let square = ray.direction.norm_squared();
+    let sin2 = (square - cos * cos).max(1e-9 * square);
+    (cos * w.dot(&ray.direction) - square * w.dot(&axis.direction)) / sin2
 }
 
 /// A cut as the present rod crosses it.
@@ -94,7 +74,7 @@ struct Crossing {
     /// h = h0 + h1 δ + h2 δ² at δ px from the cut's middle.
     h: [f64; 3],
     /// Its derivatives at the middle.
-    slopes: [f64; 4],
+    slopes: [f64; 6],
     /// |∇h|, m/px.
     per_px: f64,
     /// Unit normal of the limb in the image, as the image is scanned: across, along.
@@ -119,13 +99,6 @@ impl Crossing {
     }
 }
 
-/// How noisy the light of an eye is, in its variance.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Noise {
-    pub(crate) inside: f64,
-    pub(crate) outside: f64,
-}
-
 /// All that the pixels say about a state, shading eliminated.
 #[derive(Clone, Debug)]
 pub(crate) struct Sums {
@@ -146,18 +119,33 @@ pub(crate) struct Sums {
     pub(crate) rows: Vec<Vec<f64>>,
 }
 
+/// Of a limb in the middle the rod's radius, px, and the unit vector inwards, across and along.
+pub(crate) fn middle_crossing(
+    state: &State,
+    blocks: &[Block],
+    eye: usize,
+    side: usize,
+) -> Option<(f64, [f64; 2])> {
+    let crossing = Crossing::new(state, middle_cut(blocks, eye, side)?);
+    let sign = if side == 0 { -1.0 } else { 1.0 };
+    let radius_px = state.cylinder.radius_m / crossing.per_px;
+    Some((radius_px, crossing.normal.map(|v| sign * v)))
+}
+
+fn middle_cut(blocks: &[Block], eye: usize, side: usize) -> Option<&Cut> {
+    let mut cuts = blocks
+        .iter()
+        .filter(|block| block.eye == eye)
+        .flat_map(|block| &block.rows)
+        .filter_map(|row| row.cuts[side].as_ref());
+    let count = cuts.clone().count();
+    cuts.nth(count / 2)
+}
+
 /// The shading and the present spreads of an eye's limbs.
 fn spreads(state: &State, blocks: &[Block]) -> [[Option<Spread>; 2]; 2] {
-    let normal = |eye: usize, side: usize| {
-        let mut cuts = blocks
-            .iter()
-            .filter(|block| block.eye == eye)
-            .flat_map(|block| &block.rows)
-            .filter_map(|row| row.cuts[side].as_ref());
-        let count = cuts.clone().count();
-        let cut = cuts.nth(count / 2)?;
-        Some(Crossing::new(state, cut).normal)
-    };
+    let normal =
+        |eye: usize, side: usize| Some(Crossing::new(state, middle_cut(blocks, eye, side)?).normal);
     [0, 1].map(|eye| {
         [0, 1].map(|side| {
             normal(eye, side)
@@ -167,56 +155,8 @@ fn spreads(state: &State, blocks: &[Block]) -> [[Option<Spread>; 2]; 2] {
     })
 }
 
-/// What a pixel knows, in the order of its row's sums: the near limb's three shapes inside and two outside, the light's derivatives
-/// by the distance to the near limb and by blur; then, where the rod is so narrow that the far limb matters, its two shapes
-/// outside and the derivative by its distance.
-const KNOWN: usize = 10;
-const KNOWN_NEAR: usize = 7;
-const BY_NEAR: usize = 5;
-const BY_BLUR: usize = 6;
-const BY_FAR: usize = 9;
-
-/// A pixel at x px inside the near limb and `far_x` px inside the far one; and the rod's share of it.
-fn pixel(
-    near: &Spread,
-    far: &Spread,
-    sign: f64,
-    (x, far_x): (f64, f64),
-    (inner, outer, beyond): ([f64; 3], [f64; 2], [f64; 2]),
-) -> ([f64; KNOWN], f64) {
-    let per_radius = 2.0 / (x + far_x);
-    let [e, e1, e2] = near.step(x);
-    let [ramp, ..] = near.ramp(x);
-    let [root, root1, root2] = near.root(x);
-    let [f, f1, _] = far.step(far_x);
-    let [far_ramp, ..] = far.ramp(far_x);
-    let [far_root, far_root1, _] = far.root(far_x);
-    let inside = e + f - 1.0;
-    let far_off = far_x - far_ramp;
-    let linear = sign * (e - ramp * per_radius - (far_off * per_radius - (1.0 - f)));
-    let rounded = far_root * per_radius;
-    let [a0, a1, a2] = [inner[0], sign * inner[1], inner[2] * rounded];
-    let (b0, b1) = (outer[0], outer[1] / REACH_PX);
-    let (c0, c1) = (beyond[0], beyond[1] / REACH_PX);
-    let known = [
-        inside,
-        linear,
-        root * rounded,
-        1.0 - e,
-        (x - ramp) / REACH_PX,
-        a0 * e1 + a1 * (e1 - e * per_radius) + a2 * root1 - b0 * e1 + b1 * (1.0 - e),
-        0.5 * (a0 * e2 + a1 * (e2 - e1 * per_radius) + a2 * root2 - b0 * e2 - b1 * e1),
-        1.0 - f,
-        far_off / REACH_PX,
-        a0 * f1 - a1 * (f1 + (1.0 - f) * per_radius) + inner[2] * root * far_root1 * per_radius
-            - c0 * f1
-            + c1 * (1.0 - f),
-    ];
-    (known, inside)
-}
-
 /// Sums over all pixels.
-pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades], noise: &[Noise; 2]) -> Sums {
+pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades]) -> Sums {
     let spreads = spreads(state, blocks);
     let mut all = Sums {
         cost: 0.0,
@@ -247,12 +187,12 @@ pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades], noise: &[
                 } else {
                     (minus, plus)
                 };
-                let of_row = RowSums::new(state, cut, side, spreads, shades, &noise[eye]);
+                let light = Shading::new(shades, side, state.shadows[eye][side], block.rise[side]);
+                let of_row = RowSums::new(state, cut, side, spreads, &light);
                 squares += of_row.squares;
                 count += cut.values.len() as f64;
                 all.cost += row.weight * of_row.cost;
-                let noise = &noise[eye];
-                let without = cost_without(&cut.values, noise.inside.max(noise.outside));
+                let without = cost_without(cut);
                 all.evidence[eye][side] += row.weight * (without - of_row.cost);
                 all.chi2 += row.weight * of_row.chi2;
                 all.pixels += row.weight * cut.values.len() as f64;
@@ -266,21 +206,21 @@ pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades], noise: &[
     all
 }
 
-/// What pixels cost that lie on a line.
-fn cost_without(values: &[f64], variance: f64) -> f64 {
-    let count = values.len() as f64;
-    let middle = 0.5 * (count - 1.0);
-    let places = (0..values.len()).map(|k| k as f64 - middle);
-    let mean = values.iter().sum::<f64>() / count;
-    let (mut along, mut squares) = (0.0, 0.0);
-    for (value, place) in values.iter().zip(places.clone()) {
-        along += place * value;
-        squares += place * place;
-    }
-    let slope = along / squares;
-    let residuals = values.iter().zip(places);
-    let costs = residuals.map(|(value, place)| {
-        let off = (value - mean - slope * place).abs() / variance.sqrt();
+/// What a cut's pixels cost that lie on a line.
+fn cost_without(cut: &Cut) -> f64 {
+    let places = (0..cut.values.len()).map(|k| cut.first_px + k as f64);
+    let pixels = || places.clone().zip(&cut.values).zip(&cut.weights);
+    let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
+        pixels()
+            .map(|((x, value), weight)| weight * of(x, *value))
+            .sum()
+    };
+    let (w, wx, wxx) = (sum(&|_, _| 1.0), sum(&|x, _| x), sum(&|x, _| x * x));
+    let (wv, wxv) = (sum(&|_, v| v), sum(&|x, v| x * v));
+    let slope = (w * wxv - wx * wv) / (w * wxx - wx * wx);
+    let mean = (wv - slope * wx) / w;
+    let costs = pixels().map(|((x, value), weight)| {
+        let off = (value - mean - slope * x).abs() * weight.sqrt();
         if off <= HUBER {
             0.5 * off * off
         } else {
@@ -292,6 +232,7 @@ fn cost_without(values: &[f64], variance: f64) -> f64 {
 
 /// Sums over the pixels of a cut.
 struct RowSums {
+    /// So many of what pixels know are known.
     known: usize,
     normal: [[f64; KNOWN]; KNOWN],
     right: [f64; KNOWN],
@@ -308,17 +249,12 @@ impl RowSums {
         cut: &Cut,
         side: usize,
         (near, far): (&Spread, &Spread),
-        shades: &Shades,
-        noise: &Noise,
+        light: &Shading,
     ) -> Self {
         let crossing = Crossing::new(state, cut);
         let radius_m = state.cylinder.radius_m;
         let per_m = 1.0 / crossing.per_px;
         let sign = if side == 0 { 1.0 } else { -1.0 };
-        let (within, here, there) = (3 * side, 6 + 2 * side, 6 + 2 * (1 - side));
-        let inner = [shades[within], shades[within + 1], shades[within + 2]];
-        let outer = [shades[here], shades[here + 1]];
-        let beyond = [shades[there], shades[there + 1]];
         let [h0, h1, h2] = crossing.h;
         let distance = |h: f64| ((radius_m - sign * h) * per_m, (radius_m + sign * h) * per_m);
         // The far limb matters where the innermost pixel is within its reach.
@@ -328,12 +264,20 @@ impl RowSums {
             cut.first_px
         };
         let (_, far_x) = distance(h0 + innermost * (h1 + innermost * h2));
-        let known = if far_x < far.reach_px() {
-            KNOWN
-        } else {
-            KNOWN_NEAR
+        let is_narrow = far_x < far.reach_px();
+        let model = PixelModel {
+            near,
+            far,
+            sign,
+            radius_px: radius_m * per_m,
+            light,
         };
-        let [s0, s1, s2, s3] = crossing.slopes.map(|slope| -sign * per_m * slope);
+        let known = match (is_narrow, light.shadow) {
+            (true, _) => KNOWN,
+            (false, Some(_)) => OF_FAR,
+            (false, None) => OF_SHADOW,
+        };
+        let [s0, s1, s2, s3, s5, s6] = crossing.slopes.map(|slope| -sign * per_m * slope);
         let mut sums = Self {
             known,
             normal: [[0.0; KNOWN]; KNOWN],
@@ -341,20 +285,16 @@ impl RowSums {
             cost: 0.0,
             chi2: 0.0,
             squares: 0.0,
-            by_rod: [s0, s1, s2, s3, per_m],
+            by_rod: [s0, s1, s2, s3, per_m, s5, s6],
         };
-        for (k, value) in cut.values.iter().enumerate() {
+        for (k, (value, weight)) in cut.values.iter().zip(&cut.weights).enumerate() {
             let delta = cut.first_px + k as f64;
             let place = distance(h0 + delta * (h1 + delta * h2));
-            let (p, inside) = pixel(near, far, sign, place, (inner, outer, beyond));
-            let mut model = inner[0] * p[0] + inner[1] * p[1] + inner[2] * p[2];
-            model += outer[0] * p[3] + outer[1] * p[4] + beyond[0] * p[7] + beyond[1] * p[8];
-            let residual = value - model;
-            let share = inside.clamp(0.0, 1.0);
-            let variance = share * noise.inside + (1.0 - share) * noise.outside;
-            let off2 = residual * residual / variance;
+            let (p, modelled) = model.at(place);
+            let residual = value - modelled;
+            let mut weight = *weight;
+            let off2 = residual * residual * weight;
             sums.squares += off2;
-            let mut weight = 1.0 / variance;
             if off2 <= HUBER * HUBER {
                 sums.cost += 0.5 * off2;
                 sums.chi2 += off2;
@@ -364,15 +304,26 @@ impl RowSums {
                 sums.chi2 += HUBER * off;
                 weight *= HUBER / off;
             }
-            for i in 0..known {
-                let scaled = weight * p[i];
-                sums.right[i] += scaled * residual;
-                for (sum, other) in sums.normal[i].iter_mut().zip(&p[..=i]) {
-                    *sum += scaled * other;
-                }
+            match known {
+                OF_SHADOW => sums.gather::<OF_SHADOW>(&p, weight, residual),
+                OF_FAR => sums.gather::<OF_FAR>(&p, weight, residual),
+                _ => sums.gather::<KNOWN>(&p, weight, residual),
             }
         }
         sums
+    }
+
+    /// Adds a pixel.
+    fn gather<const N: usize>(&mut self, p: &[f64; KNOWN], weight: f64, residual: f64) {
+        let p: &[f64; N] = p.first_chunk().expect("no more than are known");
+        for ((row, right), value) in self.normal.iter_mut().zip(&mut self.right).zip(p) {
+            let scaled = weight * value;
+            *right += scaled * residual;
+            // All of them: half of them are not done faster.
+            for (sum, other) in row.iter_mut().zip(p) {
+                *sum += scaled * other;
+            }
+        }
     }
 
     /// Adds what the pixels know as a block's unknowns have it.
@@ -385,34 +336,35 @@ impl RowSums {
         right: &mut LocalVector,
     ) {
         // Of each of what is known, which unknowns it stands for and how much.
-        let mut columns = [[(0_usize, 0.0); ROD + 2]; KNOWN];
+        let mut columns = [[(0_usize, 0.0); ROD + 3]; KNOWN];
         let mut counts = [1_usize; KNOWN];
-        let single = |place: usize| [(place, 1.0); ROD + 2];
+        let single = |place: usize| [(place, 1.0); ROD + 3];
         for (k, column) in columns.iter_mut().enumerate().take(3) {
             *column = single(3 * side + k);
         }
         for k in 0..2 {
             columns[3 + k] = single(6 + 2 * side + k);
-            columns[KNOWN_NEAR + k] = single(6 + 2 * (1 - side) + k);
+            columns[OF_FAR + k] = single(6 + 2 * (1 - side) + k);
+            columns[OF_SHADOW + k] = single(SHADOWS + 2 * side + k);
         }
         columns[BY_BLUR] = single(SHADES + ROD);
         columns[BY_BLUR][0].1 = blur_px2;
-        let edges = SHADES + ROD + 1;
         for (at, side, sign) in [(BY_NEAR, side, 1.0), (BY_FAR, 1 - side, -1.0)] {
             for (k, (column, by_rod)) in columns[at].iter_mut().zip(self.by_rod).enumerate() {
-                let turned = if k + 1 == ROD { 1.0 } else { sign };
+                let turned = if k == RADIUS { 1.0 } else { sign };
                 *column = (SHADES + k, turned * by_rod);
             }
-            columns[at][ROD] = (edges + 2 * side, 1.0);
-            columns[at][ROD + 1] = (edges + 2 * side + 1, row.along);
-            counts[at] = ROD + 2;
+            let first = LIMBS + 3 * side;
+            columns[at][ROD] = (first, 1.0);
+            columns[at][ROD + 1] = (first + 1, row.along);
+            columns[at][ROD + 2] = (first + 2, row.along * row.along - 1.0 / 3.0);
+            counts[at] = ROD + 3;
         }
         for i in 0..self.known {
             for &(a, of_a) in &columns[i][..counts[i]] {
                 right[a] += row.weight * of_a * self.right[i];
                 for j in 0..self.known {
-                    let (high, low) = if i >= j { (i, j) } else { (j, i) };
-                    let value = row.weight * of_a * self.normal[high][low];
+                    let value = row.weight * of_a * self.normal[i][j];
                     for &(b, of_b) in &columns[j][..counts[j]] {
                         local[(a, b)] += value * of_b;
                     }
@@ -446,7 +398,8 @@ fn add_block(all: &mut Sums, eye: usize, local: &Local, right: &LocalVector) {
     let place = |k: usize| match k {
         0..ROD => k,
         ROD => ROD + eye,
-        _ => UNKNOWNS + eye * EDGES / 2 + k - ROD - 1,
+        8..12 => of_shadow(eye, 0) + k - ROD - 1,
+        _ => UNKNOWNS + eye * EDGES / 2 + k - ROD - 5,
     };
     let mut scores = SVector::<f64, { UNKNOWNS + EDGES }>::zeros();
     for i in 0..REST {
@@ -456,10 +409,10 @@ fn add_block(all: &mut Sums, eye: usize, local: &Local, right: &LocalVector) {
         }
     }
     let mut by_unknowns = SMatrix::<f64, SHADES, UNKNOWNS>::zeros();
-    for k in 0..=ROD {
+    for k in 0..REST - EDGES / 2 {
         by_unknowns.set_column(place(k), &by_rest.column(k));
         all.score[place(k)] += score[k];
-        for j in 0..=ROD {
+        for j in 0..REST - EDGES / 2 {
             all.normal[(place(k), place(j))] += rest[(k, j)];
         }
     }
@@ -470,18 +423,15 @@ fn add_block(all: &mut Sums, eye: usize, local: &Local, right: &LocalVector) {
 #[cfg(test)]
 mod tests {
     use rodsight_geometry::{
-        Camera, Distortion, Image, Intrinsics, Mat3, MountedCamera, Pose, Samples,
+        Camera, Cylinder, Distortion, Image, Intrinsics, Line3, Mat3, MountedCamera, Pose, Samples,
+        Vec3,
     };
 
-    use super::super::bands::{INSIDE_PX, blocks};
+    use super::super::bands::blocks;
     use super::super::light::Light;
+    use super::super::state::{BEND, Shadow};
     use super::*;
     use crate::Roi;
-
-    const NOISE: Noise = Noise {
-        inside: 1.0,
-        outside: 1.0,
-    };
 
     fn cameras() -> [MountedCamera; 2] {
         let intrinsics = Intrinsics {
@@ -540,12 +490,12 @@ mod tests {
     fn profile(state: &State, blocks: &[Block]) -> Sums {
         let mut shades = vec![Shades::zeros(); blocks.len()];
         for _ in 0..3 {
-            let here = sums(state, blocks, &shades, &[NOISE; 2]);
+            let here = sums(state, blocks, &shades);
             for (shades, (shift, _)) in shades.iter_mut().zip(&here.shading) {
                 *shades += shift;
             }
         }
-        sums(state, blocks, &shades, &[NOISE; 2])
+        sums(state, blocks, &shades)
     }
 
     /// Of rods that are wide and of one so narrow that each limb is within the other's blur, behind lenses that bend lines.
@@ -559,12 +509,32 @@ mod tests {
                 let image = image(mounted, &truth);
                 let light = Light::of(&image, WHOLE);
                 let axes = [[1.0, 0.0, 0.0]; 2];
-                all.extend(blocks(eye, mounted, &light, &axes, &truth, INSIDE_PX).expect("blocks"));
+                let found = blocks(eye, mounted, &light, &axes, &State::new(truth, 0.1), 1);
+                all.extend(found.expect("blocks"));
+                let cuts = all.iter_mut().flat_map(|block: &mut Block| &mut block.rows);
+                for cut in cuts.flat_map(|row| row.cuts.iter_mut().flatten()) {
+                    cut.weights.fill(1.0);
+                }
             }
-            let off = SVector::from([2e-3, -1e-3, 2e-3, 3e-3, 1e-3, 0.2, -0.1]);
-            let state = State::new(truth, 0.4).moved(&off);
+            let mut off = SVector::<f64, UNKNOWNS>::zeros();
+            let values = [2e-3, -1e-3, 2e-3, 3e-3, 1e-3, 0.03, -0.05, 0.2, -0.1];
+            off.fixed_rows_mut::<9>(0).copy_from_slice(&values);
+            let mut state = State::new(truth, 0.4);
+            state.bend_per_m = Some(Vec3::zeros());
+            let mut state = state.moved(&off);
+            let shadow = |amount, angle_rad| {
+                Some(Shadow {
+                    amount,
+                    angle_rad,
+                    within_rad: [0.1, 1.0],
+                })
+            };
+            state.shadows = [
+                [shadow(0.4, 0.4), None],
+                [shadow(-0.2, 0.6), shadow(0.7, 0.5)],
+            ];
             let here = profile(&state, &all);
-            for k in 0..UNKNOWNS {
+            for k in (0..UNKNOWNS).filter(|k| ![11, 12].contains(k)) {
                 let mut step = SVector::zeros();
                 step[k] = 1e-5;
                 let [more, less] =
@@ -572,7 +542,7 @@ mod tests {
                 let slope = (less - more) / 2e-5;
                 let scale = (here.normal[(k, k)] * 2.0 * here.cost).sqrt();
                 assert!(
-                    (here.score[k] - slope).abs() < 2e-2 * scale,
+                    (here.score[k] - slope).abs() <= 2.5e-2 * scale,
                     "radius {radius_m}, unknown {k}: {} {slope} of {scale}",
                     here.score[k]
                 );
@@ -582,17 +552,26 @@ mod tests {
 
     #[test]
     fn turns_and_shifts_move_rays_as_they_say() {
-        let state = State::new(rod(0.05), 0.3);
+        let mut state = State::new(rod(0.05), 0.3);
         let ray = Ray {
             origin_m: Vec3::new(0.0, -0.2, 0.0),
             direction: Vec3::new(1.0, 0.15, 0.2).normalize(),
         };
+        state.bend_per_m = Some(Vec3::new(0.2, -0.1, 0.0));
+        state.bend_per_m = Some(
+            state
+                .moved(&SVector::zeros())
+                .bend_per_m
+                .unwrap_or_default(),
+        );
         let (_, slopes) = distance(&state, &ray);
-        for (k, slope) in slopes.into_iter().enumerate() {
+        let places = [0, 1, 2, 3, BEND, BEND + 1];
+        for (k, slope) in places.into_iter().zip(slopes) {
             let mut step = SVector::zeros();
             step[k] = 1e-6;
             let [more, less] = [step, -step].map(|step| distance(&state.moved(&step), &ray).0);
-            assert!(((more - less) / 2e-6 - slope).abs() < 1e-8, "{k}: {slope}");
+            let found = (more - less) / 2e-6;
+            assert!((found - slope).abs() < 2e-4, "{k}: {slope} {found}");
         }
     }
 }

@@ -2,27 +2,47 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::climb::{Fit, Prior};
-use super::fit::{EDGES, ROD, UNKNOWNS};
+use super::climb::{Fit, Prior, add_shadows};
+use super::fit::EDGES;
+use super::limbs::Found;
+use super::state::{BEND, RADIUS, ROD, UNKNOWNS};
+use crate::CalibrationSigma;
 
 /// What no model of light and lens is free of, px: a limb may be shifted by so much.
-const FLOOR_PX: f64 = 0.02;
+const FLOOR_PX: f64 = 0.012;
 
-/// What the limbs say of the rod's five parameters.
+/// Nor of light that rises softly from a limb without a step: a share of this, px.
+const SOFT_PX: f64 = 0.08;
+/// Nor of lenses softer than this, px: a share of what is beyond it.
+const SHARP_PX: f64 = 0.8;
+const BLURRED: f64 = 0.06;
+/// Less sure, a radius is not seen.
+const MOST_RADIUS_SIGMA: f64 = 0.2;
+/// Shares of it that its shift, turn and bow each may have, as variances; of a limb from −1 to 1.
+const FLOORS: [f64; 3] = [1.0, 3.0, 5.0];
+
+/// What the limbs say of the rod's parameters.
 #[derive(Clone, Debug)]
 pub(crate) struct Judgement {
     pub(crate) covariance: SMatrix<f64, ROD, ROD>,
-    /// Of three redundancies, in units of their variance.
+    /// The radius that the limbs show without what is known of it, and its standard deviation, m; of one that they do show.
+    pub(crate) seen_radius: Option<(f64, f64)>,
+    /// Of the redundancies, in units of their variance.
     pub(crate) chi2: f64,
     pub(crate) redundancies: usize,
 }
 
 type Edges = SMatrix<f64, EDGES, EDGES>;
 
-pub(crate) fn judge(fit: &Fit, prior: Option<Prior>) -> Option<Judgement> {
+pub(crate) fn judge(
+    fit: &Fit,
+    limbs: &[[Found; 2]; 2],
+    prior: Option<Prior>,
+    calibration: Option<&CalibrationSigma>,
+) -> Option<Judgement> {
     let sums = &fit.sums;
-    // The blurs are eliminated from the rest.
-    let blurs = [ROD, ROD + 1];
+    // Blurs and shadows are eliminated from the rest.
+    let blurs: Vec<usize> = (ROD..UNKNOWNS).collect();
     let rest: Vec<usize> = (0..ROD).chain(UNKNOWNS..UNKNOWNS + EDGES).collect();
     let part = |rows: &[usize], columns: &[usize]| {
         nalgebra::DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
@@ -30,19 +50,31 @@ pub(crate) fn judge(fit: &Fit, prior: Option<Prior>) -> Option<Judgement> {
         })
     };
     let mut of_blurs = part(&blurs, &blurs);
-    for k in 0..2 {
-        of_blurs[(k, k)] += 1e-9 * of_blurs[(k, k)] + 1e-12;
+    let mut known = SMatrix::zeros();
+    add_shadows(&mut known, &mut SVector::zeros(), &fit.state);
+    for (k, at) in blurs.iter().enumerate() {
+        of_blurs[(k, k)] += 1e-9 * of_blurs[(k, k)] + 1e-12 + known[(*at, *at)];
     }
     let gain = of_blurs.try_inverse()? * part(&blurs, &rest);
     let joint = part(&rest, &rest) - part(&rest, &blurs) * &gain;
     let edges = Edges::from_fn(|i, j| joint[(ROD + i, ROD + j)]);
-    let by_rod = SMatrix::<f64, EDGES, ROD>::from_fn(|i, j| joint[(ROD + i, j)]);
+    let is_straight = fit.state.bend_per_m.is_none();
+    let is_free = |k: usize| !(is_straight && (BEND..BEND + 2).contains(&k));
+    let by_rod =
+        SMatrix::<f64, EDGES, ROD>::from_fn(
+            |i, j| {
+                if is_free(j) { joint[(ROD + i, j)] } else { 0.0 }
+            },
+        );
     // Blocks are measurements of their own: their scores' scatter is what the noise really is.
     let mut scatter = Edges::zeros();
     let mut score = SVector::<f64, EDGES>::zeros();
     for block in &sums.scores {
         let of_edges = SVector::<f64, EDGES>::from_fn(|i, _| {
-            let blur: f64 = (0..2).map(|k| gain[(k, ROD + i)] * block[ROD + k]).sum();
+            let nuisance = blurs.iter().enumerate();
+            let blur: f64 = nuisance
+                .map(|(k, at)| gain[(k, ROD + i)] * block[*at])
+                .sum();
             block[UNKNOWNS + i] - blur
         });
         scatter += of_edges * of_edges.transpose();
@@ -59,61 +91,113 @@ pub(crate) fn judge(fit: &Fit, prior: Option<Prior>) -> Option<Judgement> {
     let few = count / (count - 4.0).max(1.0);
     let by_noise = inverse * scatter * inverse * few;
     let mut of_edges = by_noise;
-    for k in 0..EDGES / 2 {
-        of_edges[(2 * k, 2 * k)] += FLOOR_PX * FLOOR_PX;
-        of_edges[(2 * k + 1, 2 * k + 1)] += 3.0 * FLOOR_PX * FLOOR_PX;
+    for k in 0..EDGES {
+        let softness = limbs[k / 6][(k / 3) % 2].softness;
+        let blur_px = (fit.state.blur_px2[k / 6].sqrt() - SHARP_PX).max(0.0);
+        let floor_px = libm::hypot(FLOOR_PX + BLURRED * blur_px, SOFT_PX * softness);
+        of_edges[(k, k)] += FLOORS[k % 3] * floor_px * floor_px;
+    }
+    if let Some(calibration) = calibration {
+        add_calibration(&mut of_edges, limbs, calibration);
     }
     // Edges by the rod, and the rod by the edges: least squares by the information.
     let jacobian = inverse * by_rod;
     let weighted = jacobian.transpose() * information;
     let mut normal = weighted * jacobian;
-    if let Some(prior) = prior {
-        normal[(ROD - 1, ROD - 1)] += 1.0 / (prior.sigma_m * prior.sigma_m);
+    let mut unknowns = 0;
+    for k in 0..ROD {
+        if is_free(k) {
+            unknowns += 1;
+        } else {
+            normal[(k, k)] = 1.0;
+        }
     }
-    let scale = normal
-        .diagonal()
-        .map(|v| 1.0 / v.max(f64::MIN_POSITIVE).sqrt());
-    let scaled = SMatrix::<f64, ROD, ROD>::from_fn(|i, j| normal[(i, j)] * scale[i] * scale[j]);
-    let scaled = scaled.try_inverse()?;
-    let back = SMatrix::<f64, ROD, ROD>::from_fn(|i, j| scaled[(i, j)] * scale[i] * scale[j]);
+    let moved = inverse * score;
+    // What the limbs say of the radius by themselves, if they do.
+    let seen_radius = inverted(&normal).and_then(|free| {
+        let estimator = free * weighted;
+        let variance = (estimator * of_edges * estimator.transpose())[(RADIUS, RADIUS)];
+        let sigma_m = variance.max(0.0).sqrt();
+        let radius_m = fit.state.cylinder.radius_m + (estimator * moved)[RADIUS];
+        (sigma_m < MOST_RADIUS_SIGMA * radius_m).then_some((radius_m, sigma_m))
+    });
+    if let Some(prior) = prior {
+        normal[(RADIUS, RADIUS)] += 1.0 / (prior.sigma_m * prior.sigma_m);
+    }
+    let back = inverted(&normal)?;
     let estimator = back * weighted;
     let mut covariance = estimator * of_edges * estimator.transpose();
     if let Some(prior) = prior {
-        let column = back.column(ROD - 1) / prior.sigma_m;
+        let column = back.column(RADIUS) / prior.sigma_m;
         covariance += column * column.transpose();
     }
     // What the edges would like that no rod does.
     let left = Edges::identity() - jacobian * estimator;
-    let residual = left * (inverse * score);
-    let spread = left * of_edges * left.transpose();
-    let (chi2, redundancies) = mahalanobis(&residual, &spread);
+    let chi2 = mahalanobis(&(left * moved), &(left * of_edges * left.transpose()));
+    let seen = (0..EDGES)
+        .filter(|k| edges[(*k, *k)] > 1e-6 * largest)
+        .count();
+    let redundancies = (seen + usize::from(prior.is_some())).saturating_sub(unknowns);
     covariance
         .iter()
         .all(|v| v.is_finite())
         .then_some(Judgement {
             covariance,
+            seen_radius,
             chi2,
             redundancies,
         })
 }
 
-fn mahalanobis(residual: &SVector<f64, EDGES>, spread: &Edges) -> (f64, usize) {
+/// The inverse, by way of a unit diagonal: metres and radians differ by orders of magnitude.
+fn inverted<const N: usize>(normal: &SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
+    let scale = normal
+        .diagonal()
+        .map(|v| 1.0 / v.max(f64::MIN_POSITIVE).sqrt());
+    let scales = scale * scale.transpose();
+    Some(
+        normal
+            .component_mul(&scales)
+            .try_inverse()?
+            .component_mul(&scales),
+    )
+}
+
+fn mahalanobis(residual: &SVector<f64, EDGES>, spread: &Edges) -> f64 {
     let scale = spread
         .diagonal()
         .map(|v| 1.0 / v.max(f64::MIN_POSITIVE).sqrt());
-    let scaled =
-        Edges::from_fn(|i, j| 0.5 * (spread[(i, j)] + spread[(j, i)]) * scale[i] * scale[j]);
-    let eigen = scaled.symmetric_eigen();
+    let scaled = spread.component_mul(&(scale * scale.transpose()));
+    let eigen = ((scaled + scaled.transpose()) * 0.5).symmetric_eigen();
     let residual = residual.component_mul(&scale);
     let largest = eigen.eigenvalues.max();
-    let mut sum = 0.0;
-    let mut count = 0;
-    for (k, value) in eigen.eigenvalues.iter().enumerate() {
-        if *value > 1e-6 * largest {
-            let part = eigen.eigenvectors.column(k).dot(&residual);
-            sum += part * part / value;
-            count += 1;
+    let parts = eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter());
+    let seen = parts.filter(|(value, _)| **value > 1e-6 * largest);
+    let squares = seen.map(|(value, vector)| {
+        let part = vector.dot(&residual);
+        part * part / value
+    });
+    squares.sum()
+}
+
+/// What is not sure of the cameras moves both limbs of an eye together: every limb by how the image moves along its normal, and a
+/// roll turns it.
+fn add_calibration(of_edges: &mut Edges, limbs: &[[Found; 2]; 2], calibration: &CalibrationSigma) {
+    for (eye, limbs) in limbs.iter().enumerate() {
+        for axis in 0..2 {
+            let mut moved = SVector::<f64, EDGES>::zeros();
+            for (side, limb) in limbs.iter().enumerate() {
+                moved[6 * eye + 3 * side] = -limb.inwards[axis] * calibration.pixel_px;
+            }
+            *of_edges += moved * moved.transpose();
         }
+        let mut turned = SVector::<f64, EDGES>::zeros();
+        for (side, limb) in limbs.iter().enumerate() {
+            turned[6 * eye + 3 * side + 1] = -limb.inwards[0] * calibration.roll_rad * limb.half_px;
+        }
+        *of_edges += turned * turned.transpose();
     }
-    (sum, count)
 }

@@ -1,12 +1,15 @@
 //! The best we can do: limbs found without a threshold in all colours, then one fit of the rod to the pixels of both images.
 //!
-//! `sums` finds edges in all colours at once (`radon` adds along lines, `whitening` knows the noise), `strip` pairs them, `pair`
-//! matches strips of both eyes; `trace` and `contrast` look closer; `bands`, `spread` and `fit` are the likelihood of a rod, `climb`
-//! its maximum, `judge` its covariance and redundancies. Each limb has its own axis of colours and its own light inside: lamps beside
-//! the cameras end in shadows that no one profile across the rod holds.
+//! From coarse to fine: `light` bins, `radon` and `sums` find edges in all colours at once, `strip` pairs them, `pair` matches strips of
+//! both eyes; `trace` and `contrast` look closer. Then the likelihood: `bands` are the pixels around the limbs and `noise` what they
+//! weigh, `state` is what is unknown, `spread` and `shade` the light of a pixel, `fit` the sums over all of them, `climb` their
+//! maximum; `shadow` and `limbs` look at what the light inside a limb says of lamps, and whether it is a limb at all. Last `judge`, the
+//! covariance and the redundancies, and `answer`.
 //!
-//! Not in it yet: bent, striped and overgrown rods; rods whose limb lies in its own lamp's shadow (the limb is taken to be where the
-//! light begins, and the covariance does not know it); more than two views; speed.
+//! Each limb has its own axis of colours and its own light inside, block by block: lamps beside the cameras end in shadows that no one
+//! profile across the rod holds.
+//!
+//! Not in it: striped and overgrown rods whose limbs cancel, more than two views, fits of many rods at once.
 
 mod answer;
 mod bands;
@@ -15,10 +18,15 @@ mod contrast;
 mod fit;
 mod judge;
 mod light;
+mod limbs;
+mod noise;
 mod pair;
 mod radon;
 mod refusal;
+mod shade;
+mod shadow;
 mod spread;
+mod state;
 mod strip;
 mod sums;
 mod trace;
@@ -26,16 +34,17 @@ mod whitening;
 
 use std::time::Instant;
 
-use rodsight_geometry::{Eye, Pixel};
+use rodsight_geometry::{Eye, Pixel, Side, Vec3};
 
-use crate::{Estimate, Request, SolveError};
+use crate::{Estimate, Method, Request, SolveError};
 use answer::give;
 use climb::{Fit, Prior};
-use fit::State;
 use judge::Judgement;
 use light::Light;
+use limbs::Limb;
 use pair::Candidate;
 use refusal::Refusal;
+use state::State;
 use strip::Strip;
 
 /// Edges of an image that are paired.
@@ -48,6 +57,18 @@ const COARSE: [(usize, usize); 3] = [(1 << 15, 256), (1 << 13, 128), (1 << 17, 5
 /// Rods that are fitted in turn until one fits, and what is likely enough of the likeliest to be tried.
 const TRIED: usize = 6;
 const LEAST_SHARE: f64 = 0.2;
+/// Every so many-th row is enough to come near.
+const ROUGH: usize = 3;
+/// A rod is bent if that makes the pixels so much likelier.
+const BEND_GAIN: f64 = 12.0;
+/// What is likely enough of the likeliest to be looked at where a pick may mean what is in front.
+const NEARER_SHARE: f64 = 0.4;
+/// Strips that are turned by less are one.
+const SAME_RAD: f64 = 0.15;
+/// A pick may miss the rod by so many radii.
+const MOST_MISS_RADII: f64 = 0.2;
+/// χ² of a pixel of what surely is a rod.
+const SURE_MISFIT: f64 = 1.3;
 /// Another rod that is as likely as this is a warning.
 const RUNNER_UP: f64 = 0.8;
 
@@ -63,16 +84,54 @@ struct Located {
     fit: Fit,
     judgement: Judgement,
     prior: Option<Prior>,
+    /// Of each eye plus and minus.
+    limbs: [[Limb; 2]; 2],
+}
+
+impl Located {
+    /// Whether a ray meets this rod before another; `None` where they are met together, or one is not.
+    fn is_nearer(&self, other: &Self, (from_m, along): &(Vec3, Vec3)) -> Option<bool> {
+        let met_m = |located: &Self| {
+            let tangent = located.fit.state.tangent_at(Some(&(*from_m, *along)));
+            Some(tangent.cylinder.intersect(from_m, along)?.0)
+        };
+        let (mine_m, theirs_m) = (met_m(self)?, met_m(other)?);
+        let radius_m = |located: &Self| located.fit.state.cylinder.radius_m;
+        let apart_m = radius_m(self).min(radius_m(other));
+        ((mine_m - theirs_m).abs() > apart_m).then_some(mine_m < theirs_m)
+    }
+
+    /// Whether it surely is a rod.
+    fn is_sure(&self) -> bool {
+        let limbs = self.limbs.iter().flatten();
+        let seen = limbs.filter(|limb| **limb == Limb::Seen).count();
+        self.fit.converged && seen == 4 && self.misfit() < SURE_MISFIT
+    }
+
+    /// Whether a ray meets the rod, or passes it nearly.
+    fn is_met(&self, ray: &(Vec3, Vec3)) -> bool {
+        let tangent = self.fit.state.tangent_at(Some(ray)).cylinder;
+        let beyond_m = tangent.tangency_residual_m(&ray.0, &ray.1, Side::Plus);
+        beyond_m.is_some_and(|beyond_m| {
+            let gap_m = (beyond_m + tangent.radius_m).abs();
+            gap_m < (1.0 + MOST_MISS_RADII) * tangent.radius_m
+        })
+    }
+
+    /// χ² of a pixel.
+    fn misfit(&self) -> f64 {
+        self.fit.sums.chi2 / self.fit.sums.pixels
+    }
 }
 
 /// Locates the rod.
 ///
 /// # Errors
 /// A malformed request. A rod that cannot be located is a refused [`Estimate`].
-pub fn solve(request: &Request<'_>) -> Result<Estimate, SolveError> {
+pub(crate) fn solve(request: &Request<'_>) -> Result<Estimate, SolveError> {
     request.validate()?;
     let start = Instant::now();
-    let mut estimate = Estimate::refused("joint", String::new());
+    let mut estimate = Estimate::refused(Method::Joint.name(), String::new());
     let outcome = locate(request, &mut estimate);
     estimate.conclude(outcome.map_err(|refusal| (refusal.to_string(), refusal.code())));
     estimate.timing_ms.total = start.elapsed().as_secs_f64() * 1e3;
@@ -130,23 +189,47 @@ fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal>
         return Err(Refusal::ParallelToBaseline);
     }
     let best = candidates.first().ok_or(Refusal::NoRod)?;
+    let ray = request
+        .pick
+        .and_then(|pick| rig.eye(pick.eye).ray(&pick.pixel));
     let mut located: Option<(&Candidate, Located)> = None;
+    let mut others: Vec<Located> = Vec::new();
     for candidate in candidates.iter().take(TRIED) {
+        if let Some((other, before)) = &located {
+            let is_done = before.fit.converged
+                && ray.is_none_or(|ray| before.is_met(&ray))
+                && worth(other, before) >= candidate.score;
+            // What crosses behind what was pointed at is as good a rod.
+            let may_be_nearer = ray.is_some()
+                && candidate.score > NEARER_SHARE * best.score
+                && !is_same(other, candidate);
+            if is_done && !may_be_nearer {
+                continue;
+            }
+        }
         let Some(found) = fitted(request, lights, candidate) else {
             continue;
         };
-        // Edges within a rod are likely too; pixels are as a rod has them only where one is.
-        let worth = |candidate: &Candidate, found: &Located| {
-            let sums = &found.fit.sums;
-            let misfit = (sums.chi2 / sums.pixels).max(1.0);
-            (found.fit.converged, candidate.score / misfit)
+        let is_better = match &located {
+            None => true,
+            Some((other, before)) => {
+                let rank = |candidate, located: &Located| {
+                    let is_met = ray.is_none_or(|ray| located.is_met(&ray));
+                    (is_met, located.fit.converged, worth(candidate, located))
+                };
+                let nearer = ray.filter(|_| found.is_sure() && before.is_sure());
+                let nearer = nearer.and_then(|ray| found.is_nearer(before, &ray));
+                nearer.unwrap_or_else(|| rank(candidate, &found) > rank(other, before))
+            }
         };
-        let is_better = |(other, before): &(&Candidate, Located)| {
-            worth(candidate, &found) > worth(other, before)
+        let worse = if is_better {
+            located
+                .replace((candidate, found))
+                .map(|(_, before)| before)
+        } else {
+            Some(found)
         };
-        if located.as_ref().is_none_or(is_better) {
-            located = Some((candidate, found));
-        }
+        others.extend(worse);
     }
     let (chosen, found) = located.ok_or(Refusal::Lost)?;
     let other = candidates.iter().find(|other| !is_same(other, chosen));
@@ -157,14 +240,32 @@ fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal>
             "another rod is nearly as likely ({ratio:.2}): point at the one that is meant, or give regions"
         ));
     }
+    let is_before = |other: &Located| {
+        let is_nearer = ray.and_then(|ray| other.is_nearer(&found, &ray));
+        is_nearer == Some(true) && is_enough(other.limbs, request.radius.is_some())
+    };
+    if others.iter().any(is_before) {
+        o.warnings
+            .push("another rod may be in front of it where the pick is".to_owned());
+    }
     estimate.timing_ms.locate = start.elapsed().as_secs_f64() * 1e3;
     give(request, estimate, &found)
+}
+
+/// How likely a candidate is, now that its pixels are known: edges within a rod are likely too, but pixels are as a rod has them only
+/// where one is. Never more than its score.
+fn worth(candidate: &Candidate, located: &Located) -> f64 {
+    candidate.score / located.misfit().max(1.0)
 }
 
 /// Whether the one is seen where the other is, in both images.
 fn is_same(a: &Candidate, b: &Candidate) -> bool {
     let mut pairs = a.strips.iter().zip(&b.strips);
-    pairs.all(|(a, b)| a.holds(&b.middle_px) || b.holds(&a.middle_px))
+    pairs.all(|(a, b)| {
+        let is_there = a.holds(&b.middle_px) || b.holds(&a.middle_px);
+        let turned = a.edges[0].line.angle_to(&b.edges[0].line);
+        is_there && turned < SAME_RAD
+    })
 }
 
 /// Follows the limbs of a candidate and climbs to the likeliest rod.
@@ -188,47 +289,74 @@ fn fitted(
         }
     }
     let known = request.radius.map(|prior| prior.radius_m);
-    let (cylinder, _) = pair::cylinder(rig, lights, [&strips[0], &strips[1]], None)
-        .or_else(|| pair::cylinder(rig, lights, [&strips[0], &strips[1]], known))?;
+    let free = pair::cylinder(rig, lights, [&strips[0], &strips[1]], None);
+    let is_free = free.is_some();
+    let (cylinder, _) =
+        free.or_else(|| pair::cylinder(rig, lights, [&strips[0], &strips[1]], known))?;
     let prior = request.radius.map(|prior| Prior {
         radius_m: prior.radius_m,
         sigma_m: prior.sigma_m.unwrap_or(1e-6).max(1e-6),
     });
-    let mut state = State::new(cylinder, 0.1);
-    let mut fit = None;
+    let state = State::new(cylinder, 0.1);
     let views = [
-        contrast::view(0, &rig.left, lights[0], &cylinder)?,
-        contrast::view(1, &rig.right, lights[1], &cylinder)?,
+        contrast::view(0, &rig.left, lights[0], &state)?,
+        contrast::view(1, &rig.right, lights[1], &state)?,
     ];
-    // Again where the limbs turned out to be.
-    for _ in 0..2 {
+    let all = [[Limb::Seen; 2]; 2];
+    let climb = |state: State, limbs: [[Limb; 2]; 2], prior: Option<Prior>, stride| {
         let mut blocks = Vec::new();
         for (k, (view, light)) in views.iter().zip(lights).enumerate() {
             let (mounted, axes) = (&view.mounted, &view.axes);
-            let inside_px = bands::INSIDE_PX;
-            blocks.extend(bands::blocks(
-                k,
-                mounted,
-                light,
-                axes,
-                &state.cylinder,
-                inside_px,
-            )?);
+            blocks.extend(bands::blocks(k, mounted, light, axes, &state, stride)?);
         }
-        if blocks.len() < 4 {
-            return None;
+        for block in &mut blocks {
+            for side in (0..2).filter(|side| limbs[block.eye][*side] != Limb::Seen) {
+                block.rows.iter_mut().for_each(|row| row.cuts[side] = None);
+            }
         }
-        let floor = 1.0 / 255.0 / 12.0_f64.sqrt() * 0.3;
-        let noise = [0, 1].map(|k| climb::noise_of(&blocks, k, floor));
-        let found = climb::climb(state, &mut blocks, &noise, prior)?;
-        state = found.state;
-        fit = Some(found);
+        let fit = (blocks.len() >= 4).then(|| climb::climb(&state, &mut blocks, prior));
+        Some((fit??, blocks))
+    };
+    let (mut fit, mut blocks) = climb(state, all, prior.filter(|_| !is_free), ROUGH)?;
+    // What the limbs show without the radius that was given: it might be wrong, and pull the limbs to where none is.
+    let seen_radius = prior.filter(|_| is_free).and_then(|_| {
+        let found = limbs::limbs(&fit, &blocks);
+        judge::judge(&fit, &found, None, request.calibration.as_ref())?.seen_radius
+    });
+    // Again where the limbs turned out to be, with the shadows and the bend that were seen there.
+    fit.state.shadows = shadow::shadows(&fit, &blocks, ROUGH as f64);
+    fit.state.bend_per_m = (ROUGH as f64 * fit.bend_gain() > BEND_GAIN).then(Vec3::zeros);
+    (fit, blocks) = climb(fit.state, all, prior, 1)?;
+    if fit.state.bend_per_m.is_some() {
+        // Its ends come into view once the bend is known.
+        (fit, blocks) = climb(fit.state, all, prior, 1)?;
     }
-    let fit = fit?;
-    let judgement = judge::judge(&fit, prior)?;
+    let mut found = limbs::limbs(&fit, &blocks);
+    let mut limbs = found.map(|eye| eye.map(|found| found.limb));
+    let is_lost = limbs.iter().flatten().any(|limb| *limb != Limb::Seen);
+    if is_lost && is_enough(limbs, prior.is_some()) {
+        (fit, blocks) = climb(fit.state, limbs, prior, 1)?;
+        // Without the others nothing checks those that are left but how they look.
+        found = limbs::limbs(&fit, &blocks);
+        for (limb, found) in limbs.iter_mut().flatten().zip(found.iter().flatten()) {
+            if *limb == Limb::Seen {
+                *limb = found.alone();
+            }
+        }
+    }
+    let mut judgement = judge::judge(&fit, &found, prior, request.calibration.as_ref())?;
+    judgement.seen_radius = seen_radius.or(judgement.seen_radius);
     Some(Located {
         fit,
         judgement,
         prior,
+        limbs,
     })
+}
+
+/// Whether limbs place a rod: three of them, or one in each eye and its radius.
+fn is_enough(limbs: [[Limb; 2]; 2], is_radius_known: bool) -> bool {
+    let seen = limbs.map(|eye| eye.iter().filter(|limb| **limb == Limb::Seen).count());
+    let least = if is_radius_known { 2 } else { 3 };
+    seen[0] > 0 && seen[1] > 0 && seen[0] + seen[1] >= least
 }

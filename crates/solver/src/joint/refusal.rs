@@ -13,8 +13,10 @@ pub(crate) enum Refusal {
     NoRod,
     #[error("the limbs cannot be followed through the pixels")]
     Lost,
-    #[error("{unseen} of the four limbs are not seen where the others put them")]
-    Unseen { unseen: usize },
+    #[error(
+        "too few limbs: of four {unseen} not seen where the others put them, {soft} lost in the rod's own shadow; three are enough, or one in each image and the radius"
+    )]
+    Unseen { unseen: usize, soft: usize },
     #[error("no rod fits the pixels: the fit does not come to rest")]
     Restless,
     #[error(
@@ -31,6 +33,14 @@ pub(crate) enum Refusal {
         "rod (nearly) parallel to the baseline, or in one plane with it: its depth is not seen; give the radius, move one camera or add a view"
     )]
     ParallelToBaseline,
+    #[error(
+        "the radius of {given_mm:.2} mm that was given contradicts the images, which show {seen_mm:.2} ± {sigma_mm:.2} mm: another rod, or leave it out"
+    )]
+    RadiusContradicts {
+        given_mm: f64,
+        seen_mm: f64,
+        sigma_mm: f64,
+    },
     #[error("the depth is uncertain by {relative_percent:.0} %: too short, too faint or too far")]
     DepthUncertain { relative_percent: f64 },
     #[error(
@@ -52,6 +62,7 @@ impl Refusal {
             Self::Misfit { .. } => "misfit",
             Self::PickUnusable { .. } => "pick_unusable",
             Self::ParallelToBaseline => "parallel_to_baseline",
+            Self::RadiusContradicts { .. } => "radius_contradicts",
             Self::DepthUncertain { .. } => "depth_uncertain",
             Self::Contradiction { .. } => "contradiction",
         }

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use rodsight_geometry::{Eye, Pixel, angle_between, degrees, radians};
 
+use super::Centre;
 use super::choose::{Choice, Chooser};
 use super::covariance::UncertainLimbs;
 use super::eye::Seen;
@@ -14,7 +15,7 @@ use super::quantities::{DEPTH, covariance_of};
 use super::report::{give_taper, report_eyes, warn_of_limbs};
 use super::softness::Shading;
 use super::{PaperParams, Refusal, milliseconds};
-use crate::{Centerlines, Estimate, Method, Request, TimingMs};
+use crate::{Centerlines, Estimate, Request, TimingMs};
 
 /// Nearer than this to one plane with the baseline a rod whose depth is not known is said to be so, degrees.
 const NEAR_BASELINE_DEG: f64 = 5.0;
@@ -22,23 +23,23 @@ const NEAR_BASELINE_DEG: f64 = 5.0;
 /// The estimate, and the strips it rests on if there are any.
 pub(crate) fn answer(
     request: &Request<'_>,
-    method: Method,
+    centre: Centre,
     params: &PaperParams,
     seen: [&Seen; 2],
 ) -> (Estimate, Option<Choice>) {
-    let mut estimate = Estimate::refused(method.name(), String::new());
+    let mut estimate = Estimate::refused(centre.name(), String::new());
     estimate.timing_ms = slower(&seen[0].timing_ms, &seen[1].timing_ms);
     let o = &mut estimate.observability;
     (o.left, o.right) = (seen[0].report.clone(), seen[1].report.clone());
     o.warnings = seen.iter().filter_map(|s| s.warning.clone()).collect();
 
     let start = Instant::now();
-    let choice = choose(request, method, params, seen);
+    let choice = choose(request, centre, params, seen);
     estimate.timing_ms.pair += milliseconds(start);
     let start = Instant::now();
     let (outcome, choice) = match choice {
         Ok((chooser, choice)) => {
-            let outcome = fill(&mut estimate, request, method, params, &chooser, &choice);
+            let outcome = fill(&mut estimate, request, centre, params, &chooser, &choice);
             (outcome, Some(choice))
         }
         Err(refusal) => (Err(refusal), None),
@@ -62,7 +63,7 @@ fn slower(a: &TimingMs, b: &TimingMs) -> TimingMs {
 
 fn choose<'a>(
     request: &Request<'a>,
-    method: Method,
+    centre: Centre,
     params: &PaperParams,
     seen: [&Seen; 2],
 ) -> Result<(Chooser<'a>, Choice), Refusal> {
@@ -107,7 +108,7 @@ fn choose<'a>(
     };
     let chooser = Chooser {
         rig,
-        method,
+        centre,
         pick,
         prior_radius_m: request.radius.map(|prior| prior.radius_m),
     };
@@ -121,7 +122,7 @@ fn choose<'a>(
 fn fill(
     estimate: &mut Estimate,
     request: &Request<'_>,
-    method: Method,
+    centre: Centre,
     params: &PaperParams,
     chooser: &Chooser<'_>,
     choice: &Choice,
@@ -142,7 +143,7 @@ fn fill(
     let unseen_px = shading.map(|s| s.unseen_px);
     let mut uncertain = UncertainLimbs::new(limbs, params);
     let lines = uncertain.lines();
-    let line_of = |k: usize, eye| centerline(&rig.eye(eye).camera, &lines[k], method);
+    let line_of = |k: usize, eye| centerline(&rig.eye(eye).camera, &lines[k], centre);
     estimate.centerlines = Some(Centerlines {
         left: line_of(0, Eye::Left),
         right: line_of(1, Eye::Right),
@@ -151,7 +152,7 @@ fn fill(
     let (_, middle) = chooser.looked_at(left).ok_or(Refusal::Behind)?;
     let mut setting = Setting {
         rig,
-        method,
+        centre,
         pick: None,
         middle,
         radius: None,
@@ -159,7 +160,7 @@ fn fill(
     };
     let taper = |estimate: &mut Estimate| {
         // The paper knows no taper: only the bisector's tangent planes give a direction without a second view.
-        if method == Method::PaperBisector {
+        if centre == Centre::Bisector {
             give_taper(estimate, chooser, &uncertain);
         }
     };
@@ -197,7 +198,7 @@ fn fill(
         o.depth_sigma_m = depth_sigma.is_finite().then_some(*depth_sigma);
     }
     let mut placed = by_planes.filter(|(.., known)| *known);
-    if let (None, Method::PaperBisector, Some(prior)) = (&placed, method, &request.radius) {
+    if let (None, Centre::Bisector, Some(prior)) = (&placed, centre, &request.radius) {
         setting.by_radius = Some((prior.radius_m, prior.sigma_m.unwrap_or(0.0)));
         placed = place(&setting, None).filter(|(.., known)| *known);
         o.warnings.extend(placed.map(|_| {

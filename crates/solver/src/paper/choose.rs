@@ -2,9 +2,9 @@
 
 use rodsight_geometry::{Eye, MountedCamera, Pixel, Rig, Vec3};
 
+use super::Centre;
 use super::locate::{Setting, locate};
 use super::pair::Strip;
-use crate::Method;
 
 /// One rod in both eyes.
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ const OFF_BASELINE_RAD: f64 = 0.05;
 
 pub(crate) struct Chooser<'a> {
     pub rig: &'a Rig,
-    pub method: Method,
+    pub centre: Centre,
     pub pick: Option<(Eye, (Vec3, Vec3))>,
     pub prior_radius_m: Option<f64>,
 }
@@ -63,7 +63,7 @@ impl Chooser<'_> {
         };
         let setting = Setting {
             rig: self.rig,
-            method: self.method,
+            centre: self.centre,
             pick: None,
             middle,
             radius: None,

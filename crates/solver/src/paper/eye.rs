@@ -4,13 +4,14 @@ use std::time::Instant;
 
 use rodsight_geometry::{Camera, Eye, ImageLine, Pixel};
 
+use super::Centre;
 use super::locate::centerline;
 use super::segment::{self, Rule};
 use super::{
     EdgePoint, EyeTrace, PaperParams, RefinedLine, Refusal, Strip, VotedLine, Votes, binarise,
     canny, hough, majority, milliseconds, refine, strips,
 };
-use crate::{EyeReport, Method, Request, Roi, TimingMs};
+use crate::{EyeReport, Request, Roi, TimingMs};
 
 /// One eye after segmentation, Canny, Hough, refinement and pairing.
 #[derive(Debug)]
@@ -177,7 +178,7 @@ impl Seen {
         self,
         camera: &Camera,
         limbs: Option<[ImageLine; 2]>,
-        method: Method,
+        centre: Centre,
     ) -> EyeTrace {
         EyeTrace {
             roi: self.roi,
@@ -186,7 +187,7 @@ impl Seen {
             votes: self.votes,
             coarse: self.coarse,
             refined: self.refined,
-            centerline: limbs.and_then(|limbs| centerline(camera, &limbs, method)),
+            centerline: limbs.and_then(|limbs| centerline(camera, &limbs, centre)),
             limbs,
         }
     }

@@ -5,13 +5,13 @@ use rodsight_geometry::{
     TangentPair, TangentPlane, Vec3, surface_foot,
 };
 
-use crate::Method;
+use super::Centre;
 
 /// What stays fixed while the limbs vary.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Setting<'a> {
     pub rig: &'a Rig,
-    pub method: Method,
+    pub centre: Centre,
     /// Ray of the pick: origin (m) and unit direction in the rig frame.
     pub pick: Option<(Vec3, Vec3)>,
     /// Ray through the middle of the rod as the left eye sees it.
@@ -66,11 +66,11 @@ pub(crate) fn tangent_normals(camera: &Camera, limbs: &[ImageLine; 2]) -> [Vec3;
 pub(crate) fn centerline(
     camera: &Camera,
     limbs: &[ImageLine; 2],
-    method: Method,
+    centre: Centre,
 ) -> Option<ImageLine> {
-    match method {
-        Method::Paper => Some(average(limbs)),
-        Method::PaperBisector => {
+    match centre {
+        Centre::Average => Some(average(limbs)),
+        Centre::Bisector => {
             let [a, b] = tangent_normals(camera, limbs);
             camera.image_line(&(a + b))
         }
@@ -96,12 +96,12 @@ pub(crate) fn taper_direction(rig: &Rig, limbs: &[[ImageLine; 2]; 2]) -> Option<
 
 /// Where the limbs say the rod is; `None` when the two axis planes are parallel to rounding.
 pub(crate) fn locate(setting: &Setting<'_>, limbs: &[[ImageLine; 2]; 2]) -> Option<Location> {
-    let Setting { rig, method, .. } = setting;
+    let Setting { rig, centre, .. } = setting;
     let mut planes = Vec::with_capacity(2);
     let mut half_sines = [0.0; 2];
     for (k, eye) in Eye::BOTH.into_iter().enumerate() {
         let mounted = rig.eye(eye);
-        let line = centerline(&mounted.camera, &limbs[k], *method)?;
+        let line = centerline(&mounted.camera, &limbs[k], *centre)?;
         let normal = mounted.camera.plane_normal(&line);
         planes.push(Plane::through_camera(&mounted.rig_from_camera, &normal));
         let [a, b] = tangent_normals(&mounted.camera, &limbs[k]);

@@ -1,4 +1,4 @@
-//! The paper's chain: stages that can be called one by one, and [`solve`], which calls them all.
+//! The paper's chain: stages that can be called one by one, and the chain of them all.
 //!
 //! Cameras with distortion: edge points are found in the image as taken and then undistorted, so that every line lives in the
 //! undistorted image (same focal lengths and principal point). For a pinhole the two are the same.
@@ -66,25 +66,31 @@ pub struct EyeTrace {
     pub centerline: Option<ImageLine>,
 }
 
-/// Locates the rod.
+/// What makes one line of the two limbs of an eye.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Centre {
+    /// The mean of their parameters, as the paper has it.
+    Average,
+    /// The plane that bisects their tangent planes.
+    Bisector,
+}
+
+impl Centre {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Average => Method::Paper.name(),
+            Self::Bisector => Method::PaperBisector.name(),
+        }
+    }
+}
+
+/// Locates the rod, and tells everything that happened on the way.
 ///
 /// # Errors
 /// A malformed request or parameter. A rod that cannot be located is a refused [`Estimate`], not an error.
-pub fn solve(
+pub(crate) fn solve(
     request: &Request<'_>,
-    method: Method,
-    params: &PaperParams,
-) -> Result<Estimate, SolveError> {
-    solve_traced(request, method, params).map(|(estimate, _)| estimate)
-}
-
-/// As [`solve`], with everything that happened on the way.
-///
-/// # Errors
-/// As [`solve`].
-pub fn solve_traced(
-    request: &Request<'_>,
-    method: Method,
+    centre: Centre,
     params: &PaperParams,
 ) -> Result<(Estimate, Trace), SolveError> {
     params.validate()?;
@@ -92,12 +98,12 @@ pub fn solve_traced(
     request.refuse_ports()?;
     let start = Instant::now();
     let [left, right] = eye::see_both(request, params);
-    let (mut estimate, choice) = answer::answer(request, method, params, [&left, &right]);
+    let (mut estimate, choice) = answer::answer(request, centre, params, [&left, &right]);
     estimate.timing_ms.total = milliseconds(start);
     let lines = |k: usize| choice.as_ref().map(|c| c.strips[k].lines());
     let trace = Trace {
-        left: left.into_trace(&request.pair.rig.eye(Eye::Left).camera, lines(0), method),
-        right: right.into_trace(&request.pair.rig.eye(Eye::Right).camera, lines(1), method),
+        left: left.into_trace(&request.pair.rig.eye(Eye::Left).camera, lines(0), centre),
+        right: right.into_trace(&request.pair.rig.eye(Eye::Right).camera, lines(1), centre),
     };
     Ok((estimate, trace))
 }

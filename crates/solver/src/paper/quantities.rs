@@ -2,9 +2,9 @@
 
 use rodsight_geometry::Vec3;
 
+use super::Centre;
 use super::covariance::UncertainLimbs;
 use super::locate::{Location, Setting, locate};
-use crate::Method;
 
 /// Point, direction, depth, radius left, radius right, radius, grasp.
 pub(crate) const QUANTITIES: usize = 13;
@@ -26,7 +26,7 @@ pub(crate) fn covariance_of(
 ) -> Option<Covariance> {
     let mut covariance =
         uncertain.propagate(|lines| quantities(&locate(setting, lines)?, nominal, between))?;
-    if setting.method == Method::Paper {
+    if setting.centre == Centre::Average {
         add_averaging_bias(
             &mut covariance,
             setting,
@@ -93,7 +93,7 @@ fn add_averaging_bias(
     warnings: Option<&mut Vec<String>>,
 ) {
     let bisector = Setting {
-        method: Method::PaperBisector,
+        centre: Centre::Bisector,
         ..*setting
     };
     let Some(other) = locate(&bisector, &uncertain.lines()) else {
@@ -112,7 +112,7 @@ fn add_averaging_bias(
         warnings.push(format!(
             "averaging the limbs of so thick a rod puts it about {:.1} mm off in depth; {} does not",
             1e3 * bias[DEPTH].abs(),
-            Method::PaperBisector
+            Centre::Bisector.name()
         ));
     }
     add_mode(covariance, &bias);

@@ -11,7 +11,7 @@
     reason = "`expect` cannot say `in some of the files`"
 )]
 
-use rodsight_solver::{Estimate, Method, PaperParams, Request, Status, solve};
+use rodsight_solver::{Estimate, Method, PaperParams, Request, Roi, Status, solve};
 
 use rodsight_geometry::{
     Camera, CameraFrame, Cylinder, Distortion, Eye, Image, Intrinsics, Line3, Mat3, MountedCamera,
@@ -64,6 +64,30 @@ pub fn rod(at: [f64; 3], direction: [f64; 3], radius_m: f64) -> Cylinder {
     }
 }
 
+/// What rods are painted with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Texture {
+    Plain,
+    /// Bands of another colour around the rod, half and half.
+    Bands {
+        period_m: f64,
+        colour: [f64; 3],
+    },
+    /// Patches darker by up to this share.
+    Patches {
+        size_m: f64,
+        share: f64,
+    },
+}
+
+/// A ball of one colour: snow, weed, a fish.
+#[derive(Clone, Copy, Debug)]
+pub struct Ball {
+    pub centre_m: Vec3,
+    pub radius_m: f64,
+    pub colour: [f64; 3],
+}
+
 /// What to paint.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -71,18 +95,37 @@ pub struct Scene {
     pub rods: Vec<Cylinder>,
     /// Half of the length that is painted, m; measured from the axis' reference point.
     pub half_length_m: f64,
+    /// How the first rod bends, 1/m, towards where the vector points.
+    pub curvature_per_m: Vec3,
     pub rod_colour: [f64; 3],
+    pub texture: Texture,
     pub background: [f64; 3],
+    /// By how much the background brightens across and down the image, as a share.
+    pub background_slope: [f64; 2],
+    pub balls: Vec<Ball>,
     pub noise_sigma: f64,
     pub seed: u64,
     pub channels: u8,
     pub bits: u8,
-    /// Unit vector towards a far lamp: matt rods in linear light, stored as sRGB. Absent: rods of one flat colour.
-    pub lamp: Option<Vec3>,
-    /// Another, as bright.
-    pub second_lamp: Option<Vec3>,
+    /// Towards far lamps, as long as they are bright: matt rods in linear light, stored as sRGB. None: rods of one flat colour.
+    pub lamps: Vec<Vec3>,
+    /// Light from everywhere, beside lamps.
+    pub ambient: f64,
+    /// Light is lost on its way to the camera, and the background takes its place, 1/m.
+    pub haze_per_m: f64,
+    /// Of the lens, px.
+    pub blur_px: f64,
     /// Samples per pixel and axis on the silhouettes.
     pub samples: u32,
+    /// What is painted of the left and the right image; the rest is background.
+    pub only: [Option<Roi>; 2],
+}
+
+/// Where a ray meets a rod.
+struct Hit {
+    rod: usize,
+    range_m: f64,
+    colour: [f64; 3],
 }
 
 impl Scene {
@@ -91,15 +134,22 @@ impl Scene {
             rig: *rig,
             rods,
             half_length_m: 50.0,
+            curvature_per_m: Vec3::zeros(),
             rod_colour: ORANGE,
+            texture: Texture::Plain,
             background: WATER,
+            background_slope: [0.0; 2],
+            balls: Vec::new(),
             noise_sigma: 0.0,
             seed: 1,
             channels: 3,
             bits: 8,
-            lamp: None,
-            second_lamp: None,
+            lamps: Vec::new(),
+            ambient: 0.0,
+            haze_per_m: 0.0,
+            blur_px: 0.0,
             samples: 8,
+            only: [None; 2],
         }
     }
 
@@ -108,64 +158,201 @@ impl Scene {
             .expect("images of the rig's size")
     }
 
-    /// How bright the rod is that a ray of an eye meets first, in [0, 1]; `None` where it meets none within its length.
-    fn hit(&self, eye: Eye, u: f64, v: f64) -> Option<f64> {
+    /// What a ray of an eye meets first; `None` where it meets no rod within its length.
+    fn hit(&self, eye: Eye, u: f64, v: f64) -> Option<Hit> {
         let mounted = self.rig.eye(eye);
         let (origin, direction) = mounted.ray(&Pixel::new(u, v))?;
-        let met = self.rods.iter().filter_map(|rod| {
-            let (near, _) = rod.intersect(&origin, &direction)?;
-            let from_axis = origin + direction * near - rod.axis.point_m;
-            let along = from_axis.dot(&rod.axis.direction);
-            let normal = (from_axis - rod.axis.direction * along) / rod.radius_m;
-            let of = |lamp: &Vec3| normal.dot(lamp).max(0.0);
-            let both = self.lamp.iter().chain(&self.second_lamp).map(of);
-            let light = self.lamp.map_or(1.0, |_| both.sum());
-            (near > 0.0 && along.abs() <= self.half_length_m).then_some((near, light))
+        let met = self.rods.iter().enumerate().filter_map(|(k, rod)| {
+            let (local, near, along_m) = self.met(k == 0, rod, &origin, &direction)?;
+            let from_axis = origin + direction * near - local.axis.point_m;
+            let along = from_axis.dot(&local.axis.direction);
+            let normal = (from_axis - local.axis.direction * along) / local.radius_m;
+            (near > 0.0 && along_m.abs() <= self.half_length_m)
+                .then_some((near, k, normal, along_m))
         });
-        met.min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, light)| light)
+        let (range_m, rod, normal, along_m) = met.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let of = |lamp: &Vec3| normal.dot(lamp).max(0.0);
+        let light = if self.is_lit() {
+            self.ambient + self.lamps.iter().map(of).sum::<f64>()
+        } else {
+            1.0
+        };
+        let paint = self.paint(along_m, &normal);
+        let left = libm::exp(-self.haze_per_m * range_m);
+        let hazed = |k: usize| light * paint[k] * left + (1.0 - left) * self.background[k];
+        let colour = [hazed(0), hazed(1), hazed(2)];
+        Some(Hit {
+            rod,
+            range_m,
+            colour,
+        })
+    }
+
+    fn is_lit(&self) -> bool {
+        self.ambient > 0.0 || !self.lamps.is_empty()
+    }
+
+    /// The straight rod that a rod is where a ray meets it, the distance to it, and how far along the rod that is.
+    fn met(
+        &self,
+        bends: bool,
+        rod: &Cylinder,
+        origin: &Vec3,
+        direction: &Vec3,
+    ) -> Option<(Cylinder, f64, f64)> {
+        let (p, d) = (rod.axis.point_m, rod.axis.direction);
+        let along = |near: f64| (origin + direction * near - p).dot(&d);
+        let curvature = self.curvature_per_m - d * d.dot(&self.curvature_per_m);
+        if !bends || curvature.norm() == 0.0 {
+            let (near, _) = rod.intersect(origin, direction)?;
+            return Some((*rod, near, along(near)));
+        }
+        // The tangent where the ray passes nearest, again and again; the arc's parabola.
+        let mut s_m = {
+            let w = p - origin;
+            let cos = d.dot(direction);
+            (w.dot(direction) * cos - w.dot(&d)) / (1.0 - cos * cos).max(1e-9)
+        };
+        let mut found = None;
+        for _ in 0..6 {
+            let tangent = d + curvature * s_m;
+            let local = Cylinder {
+                axis: Line3::new(p + d * s_m + curvature * (0.5 * s_m * s_m), &tangent),
+                radius_m: rod.radius_m,
+            };
+            let Some((near, _)) = local.intersect(origin, direction) else {
+                // Beside it: nearest to the ray.
+                let w = local.axis.point_m - origin;
+                let cos = local.axis.direction.dot(direction);
+                let more = (w.dot(direction) * cos - w.dot(&local.axis.direction))
+                    / (1.0 - cos * cos).max(1e-9);
+                s_m += more;
+                found = None;
+                continue;
+            };
+            let at = origin + direction * near - local.axis.point_m;
+            s_m += at.dot(&local.axis.direction);
+            found = Some((local, near, s_m));
+        }
+        found
+    }
+
+    fn paint(&self, along_m: f64, normal: &Vec3) -> [f64; 3] {
+        match self.texture {
+            Texture::Plain => self.rod_colour,
+            Texture::Bands { period_m, colour } => {
+                let place = along_m / period_m;
+                if place - place.floor() < 0.5 {
+                    colour
+                } else {
+                    self.rod_colour
+                }
+            }
+            Texture::Patches { size_m, share } => {
+                // Values on a grid along the rod and around it, smoothly between them.
+                let radius_m = self.rods[0].radius_m;
+                let d = self.rods[0].axis.direction;
+                let e1 = d.cross(&Vec3::new(0.3, 0.5, 0.8)).normalize();
+                let angle = libm::atan2(normal.dot(&d.cross(&e1)), normal.dot(&e1));
+                let (x, y) = (along_m / size_m, angle * radius_m / size_m);
+                let (i, j) = (x.floor(), y.floor());
+                let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
+                let (a, b) = (smooth(x - i), smooth(y - j));
+                let value = |di: f64, dj: f64| {
+                    let key = ((i + di) as i64 as u64).wrapping_mul(0x9E37_79B9)
+                        ^ ((j + dj) as i64 as u64).wrapping_mul(0x85EB_CA6B);
+                    Random::new(self.seed ^ key.wrapping_mul(0xC2B2_AE35)).uniform()
+                };
+                let low = (1.0 - a) * value(0.0, 0.0) + a * value(1.0, 0.0);
+                let high = (1.0 - a) * value(0.0, 1.0) + a * value(1.0, 1.0);
+                let left = 1.0 - share * ((1.0 - b) * low + b * high);
+                self.rod_colour.map(|v| v * left)
+            }
+        }
     }
 
     pub fn image(&self, eye: Eye) -> Image {
         let i = *self.rig.eye(eye).camera.intrinsics();
         let (width, height) = (i.width_px as usize, i.height_px as usize);
-        // The corners of all pixels first; only pixels whose corners differ are supersampled.
-        let corners: Vec<bool> = (0..=height)
-            .flat_map(|y| (0..=width).map(move |x| (x, y)))
-            .map(|(x, y)| self.hit(eye, x as f64, y as f64).is_some())
-            .collect();
-        // Share of a pixel that is rod, and the light of that share.
-        let mut coverage = vec![(0.0, 0.0); width * height];
-        for y in 0..height {
-            for x in 0..width {
-                let at = |dx: usize, dy: usize| corners[(y + dy) * (width + 1) + x + dx];
-                let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
-                coverage[y * width + x] = if four.iter().all(|c| *c == four[0]) {
-                    match self.hit(eye, x as f64 + 0.5, y as f64 + 0.5) {
-                        Some(light) if four[0] => (1.0, light),
-                        _ => (f64::from(u8::from(four[0])), 0.0),
-                    }
-                } else {
-                    let n = self.samples;
-                    let step = 1.0 / f64::from(n);
-                    let met = (0..n * n).filter_map(|k| {
-                        let (a, b) = (f64::from(k % n), f64::from(k / n));
-                        let (u, v) = (x as f64 + (a + 0.5) * step, y as f64 + (b + 0.5) * step);
-                        self.hit(eye, u, v)
-                    });
-                    let (count, light) = met.fold((0.0, 0.0), |(n, sum), l| (n + 1.0, sum + l));
-                    let all = f64::from(n * n);
-                    (count / all, light / all)
-                };
+        let [columns, rows] = match self.only[eye as usize] {
+            None => [0..width, 0..height],
+            Some(roi) => [
+                roi.x_px as usize..(roi.x_px + roi.width_px) as usize,
+                roi.y_px as usize..(roi.y_px + roi.height_px) as usize,
+            ],
+        };
+        let mut light = vec![self.background; width * height];
+        if self.background_slope != [0.0; 2] {
+            for (at, colour) in light.iter_mut().enumerate() {
+                let x = (at % width) as f64 / width as f64 - 0.5;
+                let y = (at / width) as f64 / height as f64 - 0.5;
+                let [a, b] = self.background_slope;
+                *colour = colour.map(|v| v * (1.0 + a * x + b * y).max(0.0));
             }
         }
+        // The corners of all pixels first; only pixels whose corners differ are supersampled.
+        let across = columns.len() + 1;
+        let corners: Vec<Option<usize>> = (rows.start..=rows.end)
+            .flat_map(|y| (columns.start..=columns.end).map(move |x| (x, y)))
+            .map(|(x, y)| self.hit(eye, x as f64, y as f64).map(|hit| hit.rod))
+            .collect();
+        let mut range_m = vec![f64::INFINITY; width * height];
+        for y in rows.clone() {
+            for x in columns.clone() {
+                let at = |dx: usize, dy: usize| {
+                    corners[(y + dy - rows.start) * across + x + dx - columns.start]
+                };
+                let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+                let place = y * width + x;
+                let behind = light[place];
+                let is_whole = four.iter().all(|c| *c == four[0]);
+                // Bands end within a pixel.
+                let is_plain = !matches!(self.texture, Texture::Bands { .. });
+                if is_whole && (is_plain || four[0].is_none()) {
+                    if let Some(hit) =
+                        four[0].and_then(|_| self.hit(eye, x as f64 + 0.5, y as f64 + 0.5))
+                    {
+                        light[place] = hit.colour;
+                        range_m[place] = hit.range_m;
+                    }
+                    continue;
+                }
+                let n = if is_whole { 3 } else { self.samples };
+                let step = 1.0 / f64::from(n);
+                let mut sum = [0.0; 3];
+                for k in 0..n * n {
+                    let (a, b) = (f64::from(k % n), f64::from(k / n));
+                    let (u, v) = (x as f64 + (a + 0.5) * step, y as f64 + (b + 0.5) * step);
+                    let colour = match self.hit(eye, u, v) {
+                        Some(hit) => {
+                            range_m[place] = range_m[place].min(hit.range_m);
+                            hit.colour
+                        }
+                        None => behind,
+                    };
+                    for (sum, value) in sum.iter_mut().zip(colour) {
+                        *sum += value * step * step;
+                    }
+                }
+                light[place] = sum;
+            }
+        }
+        self.add_balls(eye, &mut light, &range_m, width);
+        if self.blur_px > 0.0 {
+            blur(&mut light, width, height, self.blur_px);
+        }
         let mut random = Random::new(self.seed ^ if eye == Eye::Left { 0 } else { 0x5555_1234 });
-        let mut values = Vec::with_capacity(coverage.len() * self.channels as usize);
-        for (c, light) in coverage {
-            let colour: [f64; 3] = core::array::from_fn(|k| {
-                let value = light * self.rod_colour[k] + (1.0 - c) * self.background[k];
-                self.lamp.map_or(value, |_| encode(value))
-            });
+        let mut values = Vec::with_capacity(light.len() * self.channels as usize);
+        for (at, light) in light.into_iter().enumerate() {
+            if !(columns.contains(&(at % width)) && rows.contains(&(at / width))) {
+                values.extend(core::iter::repeat_n(0.0, self.channels.into()));
+                continue;
+            }
+            let colour = if self.is_lit() {
+                light.map(encode)
+            } else {
+                light
+            };
             let grey = 0.25 * (colour[0] + 2.0 * colour[1] + colour[2]);
             let painted: &[f64] = if self.channels == 3 { &colour } else { &[grey] };
             for value in painted {
@@ -184,6 +371,64 @@ impl Scene {
         };
         Image::new(i.width_px, i.height_px, self.channels, samples)
             .expect("as many samples as pixels")
+    }
+
+    /// Balls before what is farther, their borders a pixel wide.
+    fn add_balls(&self, eye: Eye, light: &mut [[f64; 3]], range_m: &[f64], width: usize) {
+        let mounted = self.rig.eye(eye);
+        let height = light.len() / width;
+        for ball in &self.balls {
+            let seen = mounted.rig_from_camera.inverse().point(&ball.centre_m);
+            let Some(at) = mounted.project(&ball.centre_m).filter(|_| seen.z > 0.05) else {
+                continue;
+            };
+            let radius_px = mounted.camera.intrinsics().fx_px * ball.radius_m / seen.z;
+            let reach = radius_px + 1.0;
+            let clip = |v: f64, most: usize| v.clamp(0.0, most as f64) as usize;
+            for y in clip((at.y - reach).floor(), height)..clip((at.y + reach).ceil(), height) {
+                for x in clip((at.x - reach).floor(), width)..clip((at.x + reach).ceil(), width) {
+                    let off = libm::hypot(x as f64 + 0.5 - at.x, y as f64 + 0.5 - at.y);
+                    let share = (radius_px - off + 0.5).clamp(0.0, 1.0);
+                    let place = y * width + x;
+                    if share > 0.0 && range_m[place] > seen.norm() {
+                        for (value, ball) in light[place].iter_mut().zip(ball.colour) {
+                            *value += share * (ball - *value);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Blurs by a Gaussian.
+fn blur(light: &mut [[f64; 3]], width: usize, height: usize, sigma_px: f64) {
+    let half = (4.0 * sigma_px).ceil() as usize;
+    let mut kernel: Vec<f64> = (0..=2 * half)
+        .map(|k| {
+            let x = (k as f64 - half as f64) / sigma_px;
+            libm::exp(-0.5 * x * x)
+        })
+        .collect();
+    let sum: f64 = kernel.iter().sum();
+    for weight in &mut kernel {
+        *weight /= sum;
+    }
+    let (mut along, mut step) = (width, 1);
+    for _ in 0..2 {
+        let before = light.to_vec();
+        for (at, out) in light.iter_mut().enumerate() {
+            let place = (at / step) % along;
+            *out = [0.0; 3];
+            for (k, weight) in kernel.iter().enumerate() {
+                let there = (place + k).saturating_sub(half).min(along - 1);
+                let from = &before[at + there * step - place * step];
+                for (out, value) in out.iter_mut().zip(from) {
+                    *out += weight * value;
+                }
+            }
+        }
+        (along, step) = (height, width);
     }
 }
 

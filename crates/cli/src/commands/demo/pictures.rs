@@ -11,9 +11,12 @@ use crate::commands::inspect::{eye_truth, grasp_px, provenance, rods_table};
 use crate::commands::render::Rendered;
 use crate::failure::Failure;
 use crate::page::{Figure, HtmlTable, Page, Section};
-use crate::picture::{Annotation, CYAN, Canvas, Colour, MAGENTA, annotated, close_up, figure6};
+use crate::picture::{
+    Annotation, CYAN, Canvas, Colour, MAGENTA, WHITE, annotated, close_up, figure6,
+};
 
-const METHOD_COLOURS: [(Colour, &str); 2] = [(MAGENTA, "magenta"), (CYAN, "cyan")];
+const METHOD_COLOURS: [(Colour, &str); 3] =
+    [(MAGENTA, "magenta"), (CYAN, "cyan"), (WHITE, "white")];
 
 fn annotation<'a>(rendered: &'a Rendered, methods: &[Solved], eye: Eye) -> Annotation<'a> {
     let found = methods
@@ -35,11 +38,13 @@ fn annotation<'a>(rendered: &'a Rendered, methods: &[Solved], eye: Eye) -> Annot
     }
 }
 
-fn eye_trace(solved: &Solved, eye: Eye) -> &EyeTrace {
-    match eye {
-        Eye::Left => &solved.trace.left,
-        Eye::Right => &solved.trace.right,
-    }
+/// The paper's steps in an eye.
+fn steps(methods: &[Solved], eye: Eye) -> Option<&EyeTrace> {
+    let trace = methods.iter().find_map(|solved| solved.trace.as_ref())?;
+    Some(match eye {
+        Eye::Left => &trace.left,
+        Eye::Right => &trace.right,
+    })
 }
 
 pub(super) fn write(folder: &Path, rendered: &Rendered, methods: &[Solved]) -> Result<(), Failure> {
@@ -50,8 +55,8 @@ pub(super) fn write(folder: &Path, rendered: &Rendered, methods: &[Solved]) -> R
         if let Some(near) = close_up(&annotation, 160, 90, 10) {
             near.write(&folder.join(format!("closeup-{name}.png")))?;
         }
-        if let Some(solved) = methods.first() {
-            for (panel, _, picture) in figure6(eye_trace(solved, eye)) {
+        if let Some(trace) = steps(methods, eye) {
+            for (panel, _, picture) in figure6(trace) {
                 picture.write(&folder.join(format!("figure6-{name}-{panel}.png")))?;
             }
         }
@@ -63,9 +68,7 @@ pub(super) fn write(folder: &Path, rendered: &Rendered, methods: &[Solved]) -> R
 fn summary(rendered: &Rendered, methods: &[Solved]) -> Canvas {
     const HEIGHT_PX: u32 = 360;
     let annotation = annotation(rendered, methods, Eye::Left);
-    let steps = methods
-        .first()
-        .map(|solved| figure6(eye_trace(solved, Eye::Left)));
+    let steps = steps(methods, Eye::Left).map(figure6);
     let pictures = std::iter::once(annotated(&annotation))
         .chain(close_up(&annotation, 160, 90, 10))
         .chain(steps.into_iter().flatten().map(|(_, _, picture)| picture));
@@ -109,8 +112,8 @@ pub(super) fn page(
                 format!("{}: around the grasp, ten times", eye.name()),
             )?);
         }
-        if let Some(solved) = methods.first() {
-            for (_, caption, picture) in figure6(eye_trace(solved, eye)) {
+        if let Some(trace) = steps(methods, eye) {
+            for (_, caption, picture) in figure6(trace) {
                 panels.push(Figure::new(&picture, format!("{}: {caption}", eye.name()))?);
             }
         }

@@ -1,0 +1,114 @@
+//! Which limbs are seen as limbs.
+
+use super::bands::Block;
+use super::climb::Fit;
+use super::fit::{Shades, middle_crossing};
+
+/// A limb that is not this much more likely than none is not seen.
+const LEAST_EVIDENCE: f64 = 30.0;
+/// So far inside a limb, px, light is looked at.
+const INSIDE_PX: f64 = 4.0;
+/// Of light that rises ever faster inside a limb the step at it is at least this share.
+const LEAST_STEP: f64 = 0.8;
+
+/// Softer, a limb is not believed where no other would contradict it.
+const MOST_SOFTNESS: f64 = 0.6;
+
+/// What a limb turned out to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Limb {
+    Seen,
+    /// Nothing steps there.
+    Unseen,
+    /// Light rises ever faster from there without a step: where a lamp's light ends on the rod, not where the rod ends.
+    Soft,
+}
+
+/// A limb as it was found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found {
+    pub(crate) limb: Limb,
+    /// Share of the light inside it that rises only from there on: 0 of a plain step, 1 where nothing steps.
+    pub(crate) softness: f64,
+    /// Unit vector inwards, across and along as its image is scanned.
+    pub(crate) inwards: [f64; 2],
+    /// Half of the length that is looked at, px.
+    pub(crate) half_px: f64,
+}
+
+impl Found {
+    /// What it is where no other limb would contradict it.
+    pub(crate) fn alone(&self) -> Limb {
+        if self.limb == Limb::Seen && self.softness > MOST_SOFTNESS {
+            Limb::Soft
+        } else {
+            self.limb
+        }
+    }
+}
+
+/// Of each eye its limbs plus and minus.
+pub(crate) fn limbs(fit: &Fit, blocks: &[Block]) -> [[Found; 2]; 2] {
+    [0, 1].map(|eye| {
+        let of_eye = blocks.iter().filter(|block| block.eye == eye);
+        let rows: usize = of_eye.map(|block| block.rows.len()).sum();
+        [0, 1].map(|side| {
+            let all = blocks.iter().zip(&fit.shades);
+            let mine = all.filter(|(block, _)| block.eye == eye && block.sees(side));
+            let shades: Vec<&Shades> = mine.map(|(_, shades)| shades).collect();
+            let crossing = middle_crossing(&fit.state, blocks, eye, side);
+            let (radius_px, inwards) = crossing.unwrap_or((1.0, [1.0, 0.0]));
+            let rise = Rise::of(&shades, side, radius_px);
+            let limb = if shades.is_empty() || fit.sums.evidence[eye][side] < LEAST_EVIDENCE {
+                Limb::Unseen
+            } else if rise.is_soft() {
+                Limb::Soft
+            } else {
+                Limb::Seen
+            };
+            Found {
+                limb,
+                softness: rise.softness(),
+                inwards,
+                half_px: 0.5 * rows as f64,
+            }
+        })
+    })
+}
+
+/// How light rises inside a limb.
+struct Rise {
+    step: f64,
+    linear: f64,
+    root: f64,
+}
+
+impl Rise {
+    fn of(shades: &[&Shades], side: usize, radius_px: f64) -> Self {
+        let sign = if side == 0 { 1.0 } else { -1.0 };
+        let mut all = Self {
+            step: 0.0,
+            linear: 0.0,
+            root: 0.0,
+        };
+        for shades in shades {
+            let [a0, a1, a2] = [0, 1, 2].map(|k| shades[3 * side + k]);
+            all.step += a0 + sign * a1 - shades[6 + 2 * side];
+            all.linear -= sign * a1 * INSIDE_PX / radius_px;
+            all.root += a2 * (2.0 * INSIDE_PX / radius_px).sqrt();
+        }
+        all
+    }
+
+    /// Lamps before a rod make light grow from its limbs with the root of the distance, or as the distance does; never the other way.
+    fn is_soft(&self) -> bool {
+        // Rods darker than what is behind them step the other way.
+        let rise = self.root.abs() + self.linear.abs();
+        self.root < 0.0 && self.step.abs() < LEAST_STEP * rise
+    }
+
+    fn softness(&self) -> f64 {
+        let rise = (self.root + self.linear).abs();
+        rise / (rise + self.step.abs()).max(f64::MIN_POSITIVE)
+    }
+}
