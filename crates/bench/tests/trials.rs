@@ -1,0 +1,60 @@
+//! Some of the scenes of `--example trials`, of every kind: what is called sure is right.
+
+#[path = "../../solver/tests/common/mod.rs"]
+mod common;
+#[path = "../examples/trials/drawn.rs"]
+mod drawn;
+
+use drawn::{KINDS, Trial, draw};
+use nalgebra::Matrix6;
+use rayon::prelude::*;
+use rodsight_bench::nees;
+use rodsight_geometry::Line3;
+use rodsight_solver::{Method, PaperParams, Status, solve};
+
+/// With four degrees of freedom one honest answer in a million is farther off.
+const WRONG_NEES: f64 = 33.4;
+/// Of each kind.
+const SEEDS: u64 = 3;
+
+#[test]
+fn what_is_called_sure_is_right() {
+    let all: Vec<(&str, u64)> = KINDS
+        .iter()
+        .flat_map(|kind| (100..100 + SEEDS).map(|seed| (*kind, seed)))
+        .collect();
+    let outcomes: Vec<(&str, u64, Status, Option<f64>)> = all
+        .par_iter()
+        .filter_map(|&(kind, seed)| {
+            let Trial {
+                scene,
+                request,
+                believed,
+                target,
+            } = draw(kind, seed)?;
+            let mut pair = scene.pair();
+            pair.rig = believed;
+            let estimate = solve(&request.of(&pair), Method::Joint, &PaperParams::default());
+            let estimate = estimate.expect("requests make sense");
+            let off = estimate.axis.zip(target).and_then(|(axis, target)| {
+                let here = Line3::new(axis.point_m?.into(), &axis.direction?.into());
+                let rows = axis.covariance?;
+                Some(nees(&here, &Matrix6::from_fn(|i, j| rows[i][j]), &target.axis).value)
+            });
+            Some((kind, seed, estimate.status, off))
+        })
+        .collect();
+    let mut sure = 0;
+    for (kind, seed, status, off) in &outcomes {
+        if *status == Status::Ok {
+            sure += 1;
+            let off = off.unwrap_or(f64::INFINITY);
+            assert!(off < WRONG_NEES, "{kind} {seed}: NEES {off}");
+        }
+    }
+    println!("{sure} of {} sure", outcomes.len());
+    assert!(
+        outcomes.len() > KINDS.len() && 2 * sure > outcomes.len(),
+        "{sure}"
+    );
+}
