@@ -1,4 +1,4 @@
-//! Speed of the paper's chain, stage by stage, on a synthetic 1080p pair with noise: one thread unless it says "pair".
+//! Speed of the methods, the paper's stage by stage, on a synthetic 1080p pair with noise: one thread unless it says "pair".
 
 use std::hint::black_box;
 
@@ -167,24 +167,26 @@ fn whole(criterion: &mut Criterion) {
         pixel: pick,
         eye: Eye::Left,
     });
-    let mut group = criterion.benchmark_group("solve paper");
-    for (name, regions) in [
-        ("pair 1080p", None),
-        (
-            "pair 640x700",
-            Some((region(Eye::Left), region(Eye::Right))),
-        ),
-    ] {
-        request.roi_left = regions.map(|(left, _)| left);
-        request.roi_right = regions.map(|(_, right)| right);
-        let estimate = solve(&request, Method::Paper, &PaperParams::default());
-        let answered = estimate.is_ok_and(|e| e.radius_m.is_some());
-        assert!(answered, "a refusal is no benchmark");
-        group.bench_function(name, |b| {
-            b.iter(|| solve(black_box(&request), Method::Paper, &PaperParams::default()));
-        });
+    for method in [Method::Paper, Method::Joint] {
+        let mut group = criterion.benchmark_group(format!("solve {method}"));
+        for (name, regions) in [
+            ("pair 1080p", None),
+            (
+                "pair 640x700",
+                Some((region(Eye::Left), region(Eye::Right))),
+            ),
+        ] {
+            request.roi_left = regions.map(|(left, _)| left);
+            request.roi_right = regions.map(|(_, right)| right);
+            let estimate = solve(&request, method, &PaperParams::default());
+            let answered = estimate.is_ok_and(|e| e.radius_m.is_some());
+            assert!(answered, "a refusal is no benchmark");
+            group.bench_function(name, |b| {
+                b.iter(|| solve(black_box(&request), method, &PaperParams::default()));
+            });
+        }
+        group.finish();
     }
-    group.finish();
 }
 
 criterion_group!(benches, stages, whole);
