@@ -14,24 +14,20 @@ use rodsight_solver::{Method, PaperParams, Status, solve};
 
 /// With four degrees of freedom one honest answer in a million is farther off.
 const WRONG_NEES: f64 = 33.4;
-/// Of each kind.
-const SEEDS: u64 = 1;
+/// Of each kind one scene.
+const SEED: u64 = 100;
 
 #[test]
 fn what_is_called_sure_is_right() {
-    let all: Vec<(&str, u64)> = KINDS
-        .iter()
-        .flat_map(|kind| (100..100 + SEEDS).map(|seed| (*kind, seed)))
-        .collect();
-    let outcomes: Vec<(&str, u64, Status, Option<f64>)> = all
+    let outcomes: Vec<(&str, Status, Option<f64>)> = KINDS
         .par_iter()
-        .filter_map(|&(kind, seed)| {
+        .filter_map(|kind| {
             let Trial {
                 scene,
                 request,
                 believed,
                 target,
-            } = draw(kind, seed)?;
+            } = draw(kind, SEED)?;
             let mut pair = scene.pair();
             pair.rig = believed;
             let estimate = solve(&request.of(&pair), Method::Joint, &PaperParams::default());
@@ -41,15 +37,15 @@ fn what_is_called_sure_is_right() {
                 let rows = axis.covariance?;
                 Some(nees(&here, &Matrix6::from_fn(|i, j| rows[i][j]), &target.axis).value)
             });
-            Some((kind, seed, estimate.status, off))
+            Some((*kind, estimate.status, off))
         })
         .collect();
     let mut sure = 0;
-    for (kind, seed, status, off) in &outcomes {
+    for (kind, status, off) in &outcomes {
         if *status == Status::Ok {
             sure += 1;
             let off = off.unwrap_or(f64::INFINITY);
-            assert!(off < WRONG_NEES, "{kind} {seed}: NEES {off}");
+            assert!(off < WRONG_NEES, "{kind}: NEES {off}");
         }
     }
     println!("{sure} of {} sure", outcomes.len());
