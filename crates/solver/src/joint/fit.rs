@@ -174,10 +174,11 @@ pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades]) -> Sums {
         let mut local = Local::zeros();
         let mut right = LocalVector::zeros();
         let mut rows = Vec::with_capacity(block.rows.len());
+        let mut sides = [SideSums::default(), SideSums::default()];
         let eye = block.eye;
         for row in &block.rows {
             let (mut squares, mut count) = (0.0, 0.0);
-            for side in 0..2 {
+            for (side, sums) in sides.iter_mut().enumerate() {
                 let (Some(cut), [Some(plus), Some(minus)]) = (&row.cuts[side], &spreads[eye])
                 else {
                     continue;
@@ -196,9 +197,16 @@ pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades]) -> Sums {
                 all.evidence[eye][side] += row.weight * (without - of_row.cost);
                 all.chi2 += row.weight * of_row.chi2;
                 all.pixels += row.weight * cut.values.len() as f64;
-                of_row.add(row, side, state.blur_px2[eye], &mut local, &mut right);
+                if of_row.known == KNOWN {
+                    of_row.add(row, side, state.blur_px2[eye], &mut local, &mut right);
+                } else {
+                    sums.add(&of_row, row);
+                }
             }
             rows.push(if count > 0.0 { squares / count } else { 0.0 });
+        }
+        for (side, sums) in sides.iter().enumerate() {
+            sums.scatter(side, state.blur_px2[eye], &mut local, &mut right);
         }
         all.rows.push(rows);
         add_block(&mut all, eye, &local, &right);
@@ -369,6 +377,81 @@ impl RowSums {
                         local[(a, b)] += value * of_b;
                     }
                 }
+            }
+        }
+    }
+}
+
+/// By how many unknowns a limb's distance is known: those of the rod, and its shift, turn and bow.
+const MOVES: usize = ROD + 3;
+
+/// The sums of a limb's rows in a block, where the far limb does not matter: dense, and told apart only at the end.
+#[derive(Clone, Debug, Default)]
+struct SideSums {
+    normal: [[f64; OF_FAR]; OF_FAR],
+    right: [f64; OF_FAR],
+    by_moves: [[f64; MOVES]; OF_FAR],
+    of_moves: [[f64; MOVES]; MOVES],
+    right_moves: [f64; MOVES],
+}
+
+impl SideSums {
+    fn add(&mut self, of_row: &RowSums, row: &Row) {
+        let mut moves = [1.0; MOVES];
+        moves[..ROD].copy_from_slice(&of_row.by_rod);
+        moves[ROD + 1] = row.along;
+        moves[ROD + 2] = row.along * row.along - 1.0 / 3.0;
+        let weight = row.weight;
+        for (i, by_moves) in self.by_moves.iter_mut().enumerate() {
+            for (sum, value) in self.normal[i].iter_mut().zip(&of_row.normal[i]) {
+                *sum += weight * value;
+            }
+            self.right[i] += weight * of_row.right[i];
+            let of_near = weight * of_row.normal[i][BY_NEAR];
+            for (sum, value) in by_moves.iter_mut().zip(&moves) {
+                *sum += of_near * value;
+            }
+        }
+        let of_near = weight * of_row.normal[BY_NEAR][BY_NEAR];
+        for (sums, of_one) in self.of_moves.iter_mut().zip(&moves) {
+            for (sum, value) in sums.iter_mut().zip(&moves) {
+                *sum += of_near * of_one * value;
+            }
+        }
+        for (sum, value) in self.right_moves.iter_mut().zip(&moves) {
+            *sum += weight * of_row.right[BY_NEAR] * value;
+        }
+    }
+
+    /// To where a block's unknowns are.
+    fn scatter(&self, side: usize, blur_px2: f64, local: &mut Local, right: &mut LocalVector) {
+        let place = |i: usize| match i {
+            0..3 => (3 * side + i, 1.0),
+            3 | 4 => (6 + 2 * side + i - 3, 1.0),
+            BY_BLUR => (SHADES + ROD, blur_px2),
+            _ => (SHADOWS + 2 * side + i - OF_SHADOW, 1.0),
+        };
+        let of_move = |k: usize| match k {
+            0..ROD => SHADES + k,
+            _ => LIMBS + 3 * side + k - ROD,
+        };
+        let singles = || (0..OF_FAR).filter(|i| *i != BY_NEAR);
+        for i in singles() {
+            let (a, of_a) = place(i);
+            right[a] += of_a * self.right[i];
+            for j in singles() {
+                let (b, of_b) = place(j);
+                local[(a, b)] += of_a * of_b * self.normal[i][j];
+            }
+            for (k, value) in self.by_moves[i].iter().enumerate() {
+                local[(a, of_move(k))] += of_a * value;
+                local[(of_move(k), a)] += of_a * value;
+            }
+        }
+        for (k, values) in self.of_moves.iter().enumerate() {
+            right[of_move(k)] += self.right_moves[k];
+            for (l, value) in values.iter().enumerate() {
+                local[(of_move(k), of_move(l))] += value;
             }
         }
     }
