@@ -30,6 +30,8 @@ pub(crate) struct Cut {
     pub(crate) values: Vec<f64>,
     /// One over the variance of each.
     pub(crate) weights: Vec<f64>,
+    /// What they cost as a slope of light without a limb.
+    pub(crate) without: f64,
     /// Where the rod is from the limb: 1 towards larger places, −1 towards smaller ones.
     pub(crate) inwards: f64,
     /// Through the row at −`REACH_PX`, 0 and `REACH_PX` from the middle, and beside the middle a row up and a row down.
@@ -143,6 +145,7 @@ impl Scan<'_> {
             first_px: start + first as f64 + 0.5 - middle,
             values: values.collect(),
             weights: Vec::new(),
+            without: 0.0,
             inwards,
             rays: [
                 self.ray(middle - REACH_PX, along)?,

@@ -27,7 +27,7 @@ type Local = SMatrix<f64, LOCAL, LOCAL>;
 type LocalVector = SVector<f64, LOCAL>;
 
 /// Residuals beyond so many standard deviations weigh less.
-const HUBER: f64 = 3.0;
+pub(crate) const HUBER: f64 = 3.0;
 
 /// h of a ray and how it changes with the rod's two shifts, two turns and two bends.
 fn distance(state: &State, ray: &Ray) -> (f64, [f64; 6]) {
@@ -193,8 +193,7 @@ pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades]) -> Sums {
                 squares += of_row.squares;
                 count += cut.values.len() as f64;
                 all.cost += row.weight * of_row.cost;
-                let without = cost_without(cut);
-                all.evidence[eye][side] += row.weight * (without - of_row.cost);
+                all.evidence[eye][side] += row.weight * (cut.without - of_row.cost);
                 all.chi2 += row.weight * of_row.chi2;
                 all.pixels += row.weight * cut.values.len() as f64;
                 if of_row.known == KNOWN {
@@ -212,30 +211,6 @@ pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades]) -> Sums {
         add_block(&mut all, eye, &local, &right);
     }
     all
-}
-
-/// What a cut's pixels cost that lie on a line.
-fn cost_without(cut: &Cut) -> f64 {
-    let places = (0..cut.values.len()).map(|k| cut.first_px + k as f64);
-    let pixels = || places.clone().zip(&cut.values).zip(&cut.weights);
-    let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
-        pixels()
-            .map(|((x, value), weight)| weight * of(x, *value))
-            .sum()
-    };
-    let (w, wx, wxx) = (sum(&|_, _| 1.0), sum(&|x, _| x), sum(&|x, _| x * x));
-    let (wv, wxv) = (sum(&|_, v| v), sum(&|x, v| x * v));
-    let slope = (w * wxv - wx * wv) / (w * wxx - wx * wx);
-    let mean = (wv - slope * wx) / w;
-    let costs = pixels().map(|((x, value), weight)| {
-        let off = (value - mean - slope * x).abs() * weight.sqrt();
-        if off <= HUBER {
-            0.5 * off * off
-        } else {
-            HUBER * (off - 0.5 * HUBER)
-        }
-    });
-    costs.sum()
 }
 
 /// Sums over the pixels of a cut.

@@ -1,6 +1,7 @@
 //! How noisy the light is, by how bright it is.
 
 use super::bands::{Block, Cut};
+use super::fit::HUBER;
 
 /// Less noise than this is not believed: about a third of the rounding of eight bits.
 const FLOOR: f64 = 3e-4;
@@ -34,10 +35,35 @@ pub(crate) fn weigh(blocks: &mut [Block]) {
                         1.0 / (variance(&curve, profile.at(place_px)) + unsharp * unsharp)
                     };
                     cut.weights = places.map(of_place).collect();
+                    cut.without = cost_without(cut);
                 }
             }
         }
     }
+}
+
+/// What a cut's pixels cost that lie on a line.
+fn cost_without(cut: &Cut) -> f64 {
+    let places = (0..cut.values.len()).map(|k| cut.first_px + k as f64);
+    let pixels = || places.clone().zip(&cut.values).zip(&cut.weights);
+    let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
+        pixels()
+            .map(|((x, value), weight)| weight * of(x, *value))
+            .sum()
+    };
+    let (w, wx, wxx) = (sum(&|_, _| 1.0), sum(&|x, _| x), sum(&|x, _| x * x));
+    let (wv, wxv) = (sum(&|_, v| v), sum(&|x, v| x * v));
+    let slope = (w * wxv - wx * wv) / (w * wxx - wx * wx);
+    let mean = (wv - slope * wx) / w;
+    let costs = pixels().map(|((x, value), weight)| {
+        let off = (value - mean - slope * x).abs() * weight.sqrt();
+        if off <= HUBER {
+            0.5 * off * off
+        } else {
+            HUBER * (off - 0.5 * HUBER)
+        }
+    });
+    costs.sum()
 }
 
 /// Typical variance of the noise of cuts.
