@@ -11,7 +11,8 @@ mod common;
 use common::{Scene, offset_m, pick_at, refused, rig_of, rod};
 use rodsight_geometry::port::{FlatPort, Port, PortShape};
 use rodsight_geometry::{
-    Cylinder, Distortion, Eye, Image, Rig, Samples, StereoPair, Vec3, angle_between,
+    Cylinder, Distortion, Eye, Image, Pose, Rig, Samples, StereoPair, Vec3, angle_between,
+    rotation_from_rpy,
 };
 use rodsight_solver::{
     CalibrationSigma, Estimate, Method, PaperParams, RadiusPrior, Request, Roi, Status, solve,
@@ -257,6 +258,42 @@ fn doubtful_cameras_make_doubtful_rods() {
     let expected = 1e3 * 1.5 * 1.5 * 0.5 * core::f64::consts::SQRT_2 / focal_px;
     let added = (doubtful * doubtful - exact * exact).sqrt();
     assert!((added / expected - 1.0).abs() < 0.1, "{added} {expected}");
+}
+
+/// What a roll adds to the direction's covariance is by how much the direction turns when an eye is believed to be rolled.
+#[test]
+fn a_doubtful_roll_adds_what_a_roll_does() {
+    let truth = rods()[0];
+    let pair = lit(truth).pair();
+    let roll_rad = 2e-3;
+    let asked = |pair: &StereoPair, roll_rad| {
+        let calibration = Some(CalibrationSigma {
+            pixel_px: 0.0,
+            roll_rad,
+        });
+        joint(&Request {
+            calibration,
+            ..Request::new(pair)
+        })
+    };
+    let direction = |estimate: &Estimate| Vec3::from(estimate.axis.unwrap().direction.unwrap());
+    let sigma = |estimate: &Estimate| estimate.observability.direction_sigma_rad.unwrap();
+    let exact = asked(&pair, 0.0);
+    let mut squares = 0.0;
+    for eye in Eye::BOTH {
+        let mut rolled = pair.clone();
+        let mounted = match eye {
+            Eye::Left => &mut rolled.rig.left,
+            Eye::Right => &mut rolled.rig.right,
+        };
+        let pose = &mounted.rig_from_camera;
+        let about_z = rotation_from_rpy(0.0, 0.0, roll_rad);
+        mounted.rig_from_camera = Pose::new(pose.rotation() * about_z, pose.origin_m());
+        squares += (direction(&asked(&rolled, 0.0)) - direction(&exact)).norm_squared();
+    }
+    let added = sigma(&asked(&pair, roll_rad)).powi(2) - sigma(&exact).powi(2);
+    println!("{} {}", added.sqrt(), squares.sqrt());
+    assert!((added / squares - 1.0).abs() < 0.2, "{added} {squares}");
 }
 
 #[test]

@@ -34,6 +34,8 @@ pub(crate) struct Cut {
     pub(crate) without: f64,
     /// Where the rod is from the limb: 1 towards larger places, −1 towards smaller ones.
     pub(crate) inwards: f64,
+    /// Its middle from the principal point, across and along, px.
+    pub(crate) from_centre_px: [f64; 2],
     /// Through the row at −`REACH_PX`, 0 and `REACH_PX` from the middle, and beside the middle a row up and a row down.
     pub(crate) rays: [Ray; 5],
 }
@@ -53,12 +55,14 @@ pub(crate) struct Row {
 pub(crate) struct Block {
     pub(crate) eye: usize,
     pub(crate) rows: Vec<Row>,
+    /// Half of the length from −1 to 1 along the limbs, px.
+    pub(crate) half_px: f64,
     /// By how much light rises inside the limbs plus and minus.
     pub(crate) rise: [f64; 2],
 }
 
 impl Block {
-    fn new(eye: usize, rows: Vec<Row>) -> Self {
+    fn new(eye: usize, half_px: f64, rows: Vec<Row>) -> Self {
         let rise = [0, 1].map(|side| {
             let mean = |from_px: f64, to_px: f64| {
                 let (mut sum, mut count) = (0.0, 0.0);
@@ -76,7 +80,12 @@ impl Block {
             let rise = mean(3.0, INSIDE_PX).zip(mean(0.7, 1.7));
             rise.map_or(0.0, |(deep, shallow)| (deep - shallow).max(0.0))
         });
-        Self { eye, rows, rise }
+        Self {
+            eye,
+            rows,
+            half_px,
+            rise,
+        }
     }
 
     /// Whether a limb is looked at.
@@ -141,11 +150,18 @@ impl Scan<'_> {
             self.light.along(axis, column, row)
         });
         let along = row as f64 + 0.5;
+        let i = self.mounted.camera.intrinsics();
+        let centre_px = if self.by_columns {
+            [i.cy_px, i.cx_px]
+        } else {
+            [i.cx_px, i.cy_px]
+        };
         Some(Cut {
             first_px: start + first as f64 + 0.5 - middle,
             values: values.collect(),
             weights: Vec::new(),
             without: 0.0,
+            from_centre_px: [middle - centre_px[0], along - centre_px[1]],
             inwards,
             rays: [
                 self.ray(middle - REACH_PX, along)?,
@@ -242,11 +258,11 @@ pub(crate) fn blocks(
             weight: 1.0,
         });
         if block.len() == block_rows {
-            found.push(Block::new(eye, core::mem::take(&mut block)));
+            found.push(Block::new(eye, half, core::mem::take(&mut block)));
         }
     }
     if block.len() >= block_rows / 3 {
-        found.push(Block::new(eye, block));
+        found.push(Block::new(eye, half, block));
     }
     // Noise is more of a nuisance than what smoothing hides.
     let rises: Vec<[f64; 2]> = found.iter().map(|block| block.rise).collect();

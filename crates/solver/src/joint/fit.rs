@@ -119,33 +119,50 @@ pub(crate) struct Sums {
     pub(crate) rows: Vec<Vec<f64>>,
 }
 
-/// Of a limb in the middle the rod's radius, px, and the unit vector inwards, across and along.
-pub(crate) fn middle_crossing(
-    state: &State,
-    blocks: &[Block],
-    eye: usize,
-    side: usize,
-) -> Option<(f64, [f64; 2])> {
-    let crossing = Crossing::new(state, middle_cut(blocks, eye, side)?);
-    let sign = if side == 0 { -1.0 } else { 1.0 };
-    let radius_px = state.cylinder.radius_m / crossing.per_px;
-    Some((radius_px, crossing.normal.map(|v| sign * v)))
+/// A limb where the middle one of its rows crosses it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Middle {
+    /// The rod's radius, px.
+    pub(crate) radius_px: f64,
+    /// Unit vector inwards, across and along as the image is scanned.
+    pub(crate) inwards: [f64; 2],
+    /// From the principal point, across and along, px; and along from −1 to 1.
+    pub(crate) from_centre_px: [f64; 2],
+    pub(crate) along: f64,
+    /// Half of the length from −1 to 1, px.
+    pub(crate) half_px: f64,
 }
 
-fn middle_cut(blocks: &[Block], eye: usize, side: usize) -> Option<&Cut> {
+impl Middle {
+    pub(crate) fn of(state: &State, blocks: &[Block], eye: usize, side: usize) -> Option<Self> {
+        let (block, row, cut) = middle_cut(blocks, eye, side)?;
+        let crossing = Crossing::new(state, cut);
+        let sign = if side == 0 { -1.0 } else { 1.0 };
+        Some(Self {
+            radius_px: state.cylinder.radius_m / crossing.per_px,
+            inwards: crossing.normal.map(|v| sign * v),
+            from_centre_px: cut.from_centre_px,
+            along: row.along,
+            half_px: block.half_px,
+        })
+    }
+}
+
+fn middle_cut(blocks: &[Block], eye: usize, side: usize) -> Option<(&Block, &Row, &Cut)> {
     let mut cuts = blocks
         .iter()
         .filter(|block| block.eye == eye)
-        .flat_map(|block| &block.rows)
-        .filter_map(|row| row.cuts[side].as_ref());
+        .flat_map(|block| block.rows.iter().map(move |row| (block, row)))
+        .filter_map(|(block, row)| Some((block, row, row.cuts[side].as_ref()?)));
     let count = cuts.clone().count();
     cuts.nth(count / 2)
 }
 
 /// The shading and the present spreads of an eye's limbs.
 fn spreads(state: &State, blocks: &[Block]) -> [[Option<Spread>; 2]; 2] {
-    let normal =
-        |eye: usize, side: usize| Some(Crossing::new(state, middle_cut(blocks, eye, side)?).normal);
+    let normal = |eye: usize, side: usize| {
+        Some(Crossing::new(state, middle_cut(blocks, eye, side)?.2).normal)
+    };
     [0, 1].map(|eye| {
         [0, 1].map(|side| {
             normal(eye, side)

@@ -183,21 +183,26 @@ fn mahalanobis(residual: &SVector<f64, EDGES>, spread: &Edges) -> f64 {
     squares.sum()
 }
 
-/// What is not sure of the cameras moves both limbs of an eye together: every limb by how the image moves along its normal, and a
-/// roll turns it.
+/// What is not sure of the cameras moves both limbs of an eye together: each by how the image moves along its normal, and a roll
+/// about the principal point shifts and turns it.
 fn add_calibration(of_edges: &mut Edges, limbs: &[[Found; 2]; 2], calibration: &CalibrationSigma) {
     for (eye, limbs) in limbs.iter().enumerate() {
-        for axis in 0..2 {
-            let mut moved = SVector::<f64, EDGES>::zeros();
-            for (side, limb) in limbs.iter().enumerate() {
-                moved[6 * eye + 3 * side] = -limb.inwards[axis] * calibration.pixel_px;
-            }
+        let mut moves = [SVector::<f64, EDGES>::zeros(); 3];
+        for (side, limb) in limbs.iter().enumerate() {
+            let Some(middle) = limb.middle else {
+                continue;
+            };
+            let ([across, along], [x, y]) = (middle.inwards, middle.from_centre_px);
+            let shift = 6 * eye + 3 * side;
+            moves[0][shift] = across * calibration.pixel_px;
+            moves[1][shift] = along * calibration.pixel_px;
+            let turn = -calibration.roll_rad * middle.half_px / across;
+            let there = calibration.roll_rad * (along * x - across * y);
+            moves[2][shift] = there - turn * middle.along;
+            moves[2][shift + 1] = turn;
+        }
+        for moved in moves {
             *of_edges += moved * moved.transpose();
         }
-        let mut turned = SVector::<f64, EDGES>::zeros();
-        for (side, limb) in limbs.iter().enumerate() {
-            turned[6 * eye + 3 * side + 1] = -limb.inwards[0] * calibration.roll_rad * limb.half_px;
-        }
-        *of_edges += turned * turned.transpose();
     }
 }

@@ -2,7 +2,7 @@
 
 use super::bands::Block;
 use super::climb::Fit;
-use super::fit::{Shades, middle_crossing};
+use super::fit::{Middle, Shades};
 
 /// A limb that is not this much more likely than none is not seen.
 const LEAST_EVIDENCE: f64 = 30.0;
@@ -30,10 +30,8 @@ pub(crate) struct Found {
     pub(crate) limb: Limb,
     /// Share of the light inside it that rises only from there on: 0 of a plain step, 1 where nothing steps.
     pub(crate) softness: f64,
-    /// Unit vector inwards, across and along as its image is scanned.
-    pub(crate) inwards: [f64; 2],
-    /// Half of the length that is looked at, px.
-    pub(crate) half_px: f64,
+    /// Where it is; `None` where it is not looked at.
+    pub(crate) middle: Option<Middle>,
 }
 
 impl Found {
@@ -50,14 +48,12 @@ impl Found {
 /// Of each eye its limbs plus and minus.
 pub(crate) fn limbs(fit: &Fit, blocks: &[Block]) -> [[Found; 2]; 2] {
     [0, 1].map(|eye| {
-        let of_eye = blocks.iter().filter(|block| block.eye == eye);
-        let rows: usize = of_eye.map(|block| block.rows.len()).sum();
         [0, 1].map(|side| {
             let all = blocks.iter().zip(&fit.shades);
             let mine = all.filter(|(block, _)| block.eye == eye && block.sees(side));
             let shades: Vec<&Shades> = mine.map(|(_, shades)| shades).collect();
-            let crossing = middle_crossing(&fit.state, blocks, eye, side);
-            let (radius_px, inwards) = crossing.unwrap_or((1.0, [1.0, 0.0]));
+            let middle = Middle::of(&fit.state, blocks, eye, side);
+            let radius_px = middle.map_or(1.0, |middle| middle.radius_px);
             let rise = Rise::of(&shades, side, radius_px);
             let limb = if shades.is_empty() || fit.sums.evidence[eye][side] < LEAST_EVIDENCE {
                 Limb::Unseen
@@ -69,8 +65,7 @@ pub(crate) fn limbs(fit: &Fit, blocks: &[Block]) -> [[Found; 2]; 2] {
             Found {
                 limb,
                 softness: rise.softness(),
-                inwards,
-                half_px: 0.5 * rows as f64,
+                middle,
             }
         })
     })

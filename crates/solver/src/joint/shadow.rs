@@ -2,7 +2,7 @@
 
 use super::bands::{Block, INSIDE_PX};
 use super::climb::Fit;
-use super::fit::{middle_crossing, sums};
+use super::fit::{Middle, sums};
 use super::state::{ROD, Shadow, of_shadow};
 
 /// Where light may end, px from the limb: what is nearer looks as light that ends at the limb, and what is farther is not looked at.
@@ -16,7 +16,7 @@ const LEAST_GAIN: f64 = 2.0;
 pub(crate) fn shadows(fit: &Fit, blocks: &[Block], stride: f64) -> [[Option<Shadow>; 2]; 2] {
     let radii_px = [0, 1].map(|eye| {
         let radius_px =
-            |side| middle_crossing(&fit.state, blocks, eye, side).map_or(0.0, |(r, _)| r);
+            |side| Middle::of(&fit.state, blocks, eye, side).map_or(0.0, |middle| middle.radius_px);
         [radius_px(0), radius_px(1)]
     });
     let angle = |radius_px: f64, end_px: f64| libm::acos(1.0 - (end_px / radius_px).min(0.9));
