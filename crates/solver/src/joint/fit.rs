@@ -564,7 +564,7 @@ mod tests {
     /// The likelihood of a state at its best shading, and its derivatives.
     fn profile(state: &State, blocks: &[Block]) -> Sums {
         let mut shades = vec![Shades::zeros(); blocks.len()];
-        for _ in 0..3 {
+        for _ in 0..12 {
             let here = sums(state, blocks, &shades);
             for (shades, (shift, _)) in shades.iter_mut().zip(&here.shading) {
                 *shades += shift;
@@ -616,8 +616,18 @@ mod tests {
                     [step, -step].map(|step| profile(&state.moved(&step), &all).cost);
                 let slope = (less - more) / 2e-5;
                 let scale = (here.normal[(k, k)] * 2.0 * here.cost).sqrt();
+                // Nothing rises inside so narrow a rod, and no shadow can be told.
+                if k >= of_shadow(0, 0) && radius_m < 0.01 && scale == 0.0 {
+                    continue;
+                }
+                // That shading is across the radius is left out of its derivative; it tells where all of the rod is a limb.
+                let most = if k == RADIUS && radius_m < 0.01 {
+                    2.5e-2
+                } else {
+                    2e-2
+                };
                 assert!(
-                    (here.score[k] - slope).abs() <= 2.5e-2 * scale,
+                    (here.score[k] - slope).abs() < most * scale,
                     "radius {radius_m}, unknown {k}: {} {slope} of {scale}",
                     here.score[k]
                 );
