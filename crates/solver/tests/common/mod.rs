@@ -11,6 +11,8 @@
     reason = "`expect` cannot say `in some of the files`"
 )]
 
+use core::ops::Range;
+
 use rodsight_solver::{Estimate, Method, PaperParams, Request, Roi, Status, solve};
 
 use rodsight_geometry::{
@@ -192,6 +194,73 @@ impl Scene {
         self.ambient > 0.0 || !self.lamps.is_empty()
     }
 
+    /// Light that comes down a ray of an eye, before lens and noise; `None` where a ball is before it or outside what is painted.
+    pub fn light(&self, eye: Eye, u: f64, v: f64) -> Option<[f64; 3]> {
+        let mounted = self.rig.eye(eye);
+        let i = mounted.camera.intrinsics();
+        let painted = self.only[eye as usize].unwrap_or(Roi {
+            x_px: 0,
+            y_px: 0,
+            width_px: i.width_px,
+            height_px: i.height_px,
+        });
+        let within = |at: f64, from: u32, length: u32| {
+            at >= f64::from(from) && at < f64::from(from) + f64::from(length)
+        };
+        if !(within(u, painted.x_px, painted.width_px)
+            && within(v, painted.y_px, painted.height_px))
+        {
+            return None;
+        }
+        let hit = self.hit(eye, u, v);
+        let range_m = hit.as_ref().map_or(f64::INFINITY, |hit| hit.range_m);
+        let to_camera = mounted.rig_from_camera.inverse();
+        let is_hidden = self.balls.iter().any(|ball| {
+            let seen = to_camera.point(&ball.centre_m);
+            let Some(at) = mounted.project(&ball.centre_m).filter(|_| seen.z > 0.05) else {
+                return false;
+            };
+            let radius_px = i.fx_px * ball.radius_m / seen.z;
+            range_m > seen.norm() && libm::hypot(u - at.x, v - at.y) < radius_px + 0.5
+        });
+        if is_hidden {
+            return None;
+        }
+        Some(hit.map_or_else(
+            || {
+                let x = (u - 0.5) / f64::from(i.width_px) - 0.5;
+                let y = (v - 0.5) / f64::from(i.height_px) - 0.5;
+                let [a, b] = self.background_slope;
+                self.background.map(|v| v * (1.0 + a * x + b * y).max(0.0))
+            },
+            |hit| hit.colour,
+        ))
+    }
+
+    /// What is stored of light before noise and rounding, 0…1; the first `channels` of them.
+    pub fn stored(&self, light: [f64; 3]) -> [f64; 3] {
+        let colour = if self.is_lit() {
+            light.map(encode)
+        } else {
+            light
+        };
+        if self.channels == 3 {
+            colour
+        } else {
+            [0.25 * (colour[0] + 2.0 * colour[1] + colour[2]); 3]
+        }
+    }
+
+    /// Standard deviation of what noise and rounding add to a stored value.
+    pub fn stored_sigma(&self) -> f64 {
+        let step = if self.bits == 8 {
+            1.0 / 255.0
+        } else {
+            1.0 / 65535.0
+        };
+        libm::sqrt(self.noise_sigma * self.noise_sigma + step * step / 12.0)
+    }
+
     /// The straight rod that a rod is where a ray meets it, the distance to it, and how far along the rod that is.
     fn met(
         &self,
@@ -339,7 +408,7 @@ impl Scene {
         }
         self.add_balls(eye, &mut light, &range_m, width);
         if self.blur_px > 0.0 {
-            blur(&mut light, width, height, self.blur_px);
+            blur(&mut light, width, [&columns, &rows], self.blur_px);
         }
         let mut random = Random::new(self.seed ^ if eye == Eye::Left { 0 } else { 0x5555_1234 });
         let mut values = Vec::with_capacity(light.len() * self.channels as usize);
@@ -348,14 +417,7 @@ impl Scene {
                 values.extend(core::iter::repeat_n(0.0, self.channels.into()));
                 continue;
             }
-            let colour = if self.is_lit() {
-                light.map(encode)
-            } else {
-                light
-            };
-            let grey = 0.25 * (colour[0] + 2.0 * colour[1] + colour[2]);
-            let painted: &[f64] = if self.channels == 3 { &colour } else { &[grey] };
-            for value in painted {
+            for value in &self.stored(light)[..self.channels as usize] {
                 let noise = if self.noise_sigma > 0.0 {
                     self.noise_sigma * random.normal()
                 } else {
@@ -401,8 +463,8 @@ impl Scene {
     }
 }
 
-/// Blurs by a Gaussian.
-fn blur(light: &mut [[f64; 3]], width: usize, height: usize, sigma_px: f64) {
+/// Blurs the pixels of some columns and rows by a Gaussian; what is beyond the image is as at its border.
+fn blur(light: &mut [[f64; 3]], width: usize, only: [&Range<usize>; 2], sigma_px: f64) {
     let half = (4.0 * sigma_px).ceil() as usize;
     let mut kernel: Vec<f64> = (0..=2 * half)
         .map(|k| {
@@ -414,21 +476,27 @@ fn blur(light: &mut [[f64; 3]], width: usize, height: usize, sigma_px: f64) {
     for weight in &mut kernel {
         *weight /= sum;
     }
-    let (mut along, mut step) = (width, 1);
-    for _ in 0..2 {
+    let height = light.len() / width;
+    let [columns, rows] = only;
+    // Across first, of all rows that blurring down will ask for.
+    let reach = rows.start.saturating_sub(half)..(rows.end + half).min(height);
+    for (along, step, rows) in [(width, 1, &reach), (height, width, rows)] {
         let before = light.to_vec();
-        for (at, out) in light.iter_mut().enumerate() {
-            let place = (at / step) % along;
-            *out = [0.0; 3];
-            for (k, weight) in kernel.iter().enumerate() {
-                let there = (place + k).saturating_sub(half).min(along - 1);
-                let from = &before[at + there * step - place * step];
-                for (out, value) in out.iter_mut().zip(from) {
-                    *out += weight * value;
+        for y in rows.clone() {
+            for x in columns.clone() {
+                let at = y * width + x;
+                let place = (at / step) % along;
+                let mut sum = [0.0; 3];
+                for (k, weight) in kernel.iter().enumerate() {
+                    let there = (place + k).saturating_sub(half).min(along - 1);
+                    let from = &before[at + there * step - place * step];
+                    for (sum, value) in sum.iter_mut().zip(from) {
+                        *sum += weight * value;
+                    }
                 }
+                light[at] = sum;
             }
         }
-        (along, step) = (height, width);
     }
 }
 
