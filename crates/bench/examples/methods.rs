@@ -6,9 +6,8 @@
 
 use std::error::Error;
 
-use nalgebra::Matrix6;
-use rodsight_bench::{limit, measure, nees};
-use rodsight_geometry::{Eye, Line3, StereoPair, Vec3, degrees};
+use rodsight_bench::{limit, measure};
+use rodsight_geometry::{Eye, StereoPair, Vec3, degrees};
 use rodsight_render::{CpuRenderer, Renderer, Truth, develop};
 use rodsight_scene::Scene;
 use rodsight_solver::{Estimate, Method, PaperParams, Pick, Request, Roi, SolveError, solve};
@@ -107,20 +106,12 @@ fn show(
         );
         return Ok(());
     };
-    let claimed = estimate.axis.and_then(|axis| {
-        let covariance = axis.covariance?;
-        let here = Line3::new(axis.point_m?.into(), &axis.direction?.into());
-        let there = &truth.grasp.axis;
-        let there = Line3::new(there.point_m.into(), &there.direction.into());
-        let covariance = Matrix6::from_fn(|i, j| covariance[i][j]);
-        Some(nees(&here, &covariance, &there).value)
-    });
     println!(
         "  {name:<24} {:8.4} mm {:7.4}° radius {:+8.4} mm, NEES {:8.2}, {:?} {reason} {total_ms:.0} ms",
         1e3 * errors.axis_offset_m,
         degrees(errors.axis_angle_rad),
         1e3 * errors.radius_m.unwrap_or(f64::NAN),
-        claimed.unwrap_or(f64::NAN),
+        errors.nees.map_or(f64::NAN, |nees| nees.value),
         estimate.status,
     );
     Ok(())

@@ -43,6 +43,22 @@ impl Located {
             grasp_m: None,
         }
     }
+
+    /// How far off the axis is claimed to be where it passes a point, m: the root of the trace of the covariance of the axis there.
+    pub fn claimed_offset_m(&self, at_m: &Vec3) -> Option<f64> {
+        let covariance = self.covariance.as_ref()?;
+        let along_m = self.axis.direction.dot(&(at_m - self.axis.point_m));
+        let variance_m2: f64 = (0..3)
+            .map(|k| {
+                covariance[(k, k)]
+                    + along_m
+                        * (covariance[(k, k + 3)]
+                            + covariance[(k + 3, k)]
+                            + along_m * covariance[(k + 3, k + 3)])
+            })
+            .sum();
+        Some(variance_m2.max(0.0).sqrt())
+    }
 }
 
 /// The errors of one estimate. What was not estimated has no error.

@@ -20,17 +20,18 @@
 //! ```
 //!
 //! [`measure`] does the same for a rendered pair's truth record and a solver's answer; [`limit`] says how accurate any method
-//! could have been on it. This crate neither renders nor solves.
+//! could have been on it, [`limit_of`] on any other, and [`statistics`] sums up many. This crate neither renders nor solves.
 
 mod errors;
 mod limit;
 mod nees;
 mod pair;
+pub mod statistics;
 
 pub use errors::{
     Errors, GraspError, Located, SUCCESS_LEVELS, SuccessLevel, TruthAxis, axis_angle_rad,
     axis_offset_m, depth_error_m, grasp_error, max_span_distance_m, radius_error_m,
 };
-pub use limit::{Limit, limit};
+pub use limit::{LimbStretch, Limit, edge_sigma_px, limit, limit_of, step_contrast_to_noise};
 pub use nees::{AxisCovariance, Nees, nees};
-pub use pair::{measure, truth_axis};
+pub use pair::{located, measure, measure_cylinder, truth_axis};

@@ -3,7 +3,9 @@
 use core::f64::consts::PI;
 
 use nalgebra::{Matrix5, SMatrix, Vector2, Vector5};
-use rodsight_geometry::{Cylinder, Line3, MountedCamera, Pixel, RigError, Vec3};
+use rodsight_geometry::{
+    Cylinder, Eye, ImageLine, Line3, MountedCamera, Pixel, Rig, RigError, Side, Vec3,
+};
 use rodsight_render::{EyeTruth, Truth};
 use serde::Serialize;
 
@@ -20,26 +22,46 @@ pub struct Limit {
     pub radius_m: f64,
 }
 
-/// Blur of an edge by the pixel's aperture alone, px: a box of one pixel has the variance 1/12.
-const APERTURE_SIGMA_PX: f64 = 0.288_675_134_594_812_9;
-
-/// One limb as a measurement: where it is seen, over which length, with which contrast.
-struct Limb<'a> {
-    mounted: &'a MountedCamera,
-    plus: bool,
-    centre_px: Pixel,
-    length_px: f64,
-    contrast_to_noise: f64,
+/// A stretch of a limb as one eye sees it: a straight edge of constant contrast. Stretches add up: many short ones describe a limb
+/// that is hidden here and there, or whose contrast changes along it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimbStretch {
+    /// Who sees it.
+    pub eye: Eye,
+    /// Which of the two limbs.
+    pub side: Side,
+    /// From where to where it is seen, m along the axis from its reference point.
+    pub span_m: [f64; 2],
+    /// Contrast over noise A/σ of the stored image, `√(Σ_bands (Δ/σ)²)`, dimensionless.
+    pub contrast_to_noise: f64,
+    /// `σ_t`: the spread of the edge, px ([`edge_sigma_px`]).
+    pub edge_sigma_px: f64,
 }
 
-/// The limit of a pair with a straight rod seen by two cameras without distortion; `None` for others, without noise, or where
-/// a limb is not seen.
+/// `σ_t`, px: the spread of an edge by the pixel's aperture, a box of one pixel of the variance 1/12, and by a lens of Gaussian blur:
+/// `σ_t² = 1/12 + blur²`.
+pub fn edge_sigma_px(blur_px: f64) -> f64 {
+    (1.0 / 12.0 + blur_px * blur_px).sqrt()
+}
+
+/// How well a limb's profile across its edge tells its place, as the contrast-to-noise of the ideal step that tells as much.
 ///
-/// A straight edge of contrast-to-noise A/σ, blur `σ_t` and length L fixes its position at the centroid and its angle to
+/// A profile I(x), in units of the noise, tells a shift with the information ∫ (dI/dx)² dx per px of length, summed over bands; of a
+/// step A/σ spread by `σ_t` that is (A/σ)²/(2√π `σ_t`). Stored images are not linear in light, and light may rise softly inside a limb:
+/// both change the profile.
 ///
-///   var ρ = σ₁²/L,  var θ = 12 σ₁²/L³,  σ₁² = 2√π `σ_t` (σ/A)²
-///
-/// and the five parameters of the cylinder follow from the eight of four limbs: Σ = (Jᵀ W J)⁻¹.
+/// * `profiles`: per band, values one `step_px` apart across the edge, in units of the noise's standard deviation.
+pub fn step_contrast_to_noise(profiles: &[Vec<f64>], step_px: f64, edge_sigma_px: f64) -> f64 {
+    let squares: f64 = profiles
+        .iter()
+        .flat_map(|profile| profile.windows(2))
+        .map(|pair| (pair[1] - pair[0]) * (pair[1] - pair[0]))
+        .sum();
+    (squares / step_px * 2.0 * PI.sqrt() * edge_sigma_px).sqrt()
+}
+
+/// The limit of a rendered pair, by [`limit_of`] with the pixel's aperture as the only blur; `None` for a bent rod, a lens with
+/// distortion, without noise, or where a limb is not seen.
 ///
 /// # Errors
 /// A truth record whose rig is none.
@@ -54,49 +76,93 @@ pub fn limit(truth: &Truth) -> Result<Option<Limit>, RigError> {
         },
         radius_m: rod.radius_m,
     };
-    let middle = Vec3::from(rod.axis.point_m);
-    let limbs = [
-        (&rig.left, &rod.left, true),
-        (&rig.left, &rod.left, false),
-        (&rig.right, &rod.right, true),
-        (&rig.right, &rod.right, false),
+    let middle_along_m = axis.direction.dot(&(Vec3::from(rod.axis.point_m) - grasp));
+    let stretches: Option<Vec<LimbStretch>> = [
+        (Eye::Left, &rod.left, Side::Plus),
+        (Eye::Left, &rod.left, Side::Minus),
+        (Eye::Right, &rod.right, Side::Plus),
+        (Eye::Right, &rod.right, Side::Minus),
     ]
-    .map(|(mounted, eye, plus)| limb(&cylinder, &middle, mounted, eye, plus));
-    let [Some(a), Some(b), Some(c), Some(d)] = limbs else {
-        return Ok(None);
-    };
-    Ok(propagate(&cylinder, &[a, b, c, d]))
+    .into_iter()
+    .map(|(eye, seen, side)| stretch(middle_along_m, eye, seen, side))
+    .collect();
+    Ok(stretches.and_then(|stretches| limit_of(&rig, &cylinder, &stretches)))
 }
 
-fn limb<'a>(
-    cylinder: &Cylinder,
-    middle_m: &Vec3,
-    mounted: &'a MountedCamera,
-    eye: &EyeTruth,
-    plus: bool,
-) -> Option<Limb<'a>> {
-    eye.lines.as_ref()?;
-    let planes = cylinder.tangent_planes(&mounted.rig_from_camera.origin_m())?;
-    let towards_limb = if plus { -planes.plus } else { planes.minus } * cylinder.radius_m;
-    let end =
-        |s_m: f64| mounted.project(&(middle_m + cylinder.axis.direction * s_m + towards_limb));
-    let [from_m, to_m] = seen_by(eye)?;
-    let (from, to) = (end(from_m)?, end(to_m)?);
-    Some(Limb {
-        mounted,
-        plus,
-        centre_px: (from + to) / 2.0,
-        length_px: (to - from).norm(),
-        contrast_to_noise: eye.contrast_to_noise[usize::from(!plus)]?,
+fn stretch(middle_along_m: f64, eye: Eye, seen: &EyeTruth, side: Side) -> Option<LimbStretch> {
+    seen.lines.as_ref()?;
+    Some(LimbStretch {
+        eye,
+        side,
+        span_m: seen_by(seen)?.map(|s_m| middle_along_m + s_m),
+        contrast_to_noise: seen.contrast_to_noise[usize::from(side == Side::Minus)]?,
+        edge_sigma_px: edge_sigma_px(0.0),
     })
 }
 
-impl Limb<'_> {
-    /// Distance of the limb of a cylinder to this limb's centroid (px) and its angle (rad), relative to a line's normal.
-    fn observe(&self, cylinder: &Cylinder, normal: &Pixel) -> Option<Vector2<f64>> {
+/// The limit of a straight rod seen by two cameras without distortion, its offset counted at the axis' reference point; `None` where
+/// the stretches do not tell where the rod is.
+///
+/// A straight edge of contrast-to-noise A/σ, spread `σ_t` and length L fixes its position at the centroid and its angle to
+///
+///   var ρ = σ₁²/L,  var θ = 12 σ₁²/L³,  σ₁² = 2√π `σ_t` (σ/A)²
+///
+/// and the five parameters of the cylinder follow from all of them: Σ = (Jᵀ W J)⁻¹. Nothing else is unknown: neither the lens, the
+/// light, nor the calibration.
+pub fn limit_of(rig: &Rig, cylinder: &Cylinder, stretches: &[LimbStretch]) -> Option<Limit> {
+    let limbs: Option<Vec<Limb<'_>>> = stretches
+        .iter()
+        .map(|stretch| Limb::new(rig, cylinder, stretch))
+        .collect();
+    propagate(cylinder, &limbs?)
+}
+
+/// One stretch as a measurement.
+struct Limb<'a> {
+    mounted: &'a MountedCamera,
+    side: Side,
+    centre_px: Pixel,
+    length_px: f64,
+    /// σ₁², px² per px of length.
+    sigma1_squared: f64,
+}
+
+impl<'a> Limb<'a> {
+    fn new(rig: &'a Rig, cylinder: &Cylinder, stretch: &LimbStretch) -> Option<Self> {
+        let LimbStretch {
+            eye,
+            side,
+            span_m: [from_m, to_m],
+            contrast_to_noise,
+            edge_sigma_px,
+        } = *stretch;
+        let mounted = rig.eye(eye);
+        let limb_m = mounted.limb_point_m(cylinder, side)?;
+        let at = |s_m: f64| mounted.project(&(limb_m + cylinder.axis.direction * s_m));
+        let (from, to) = (at(from_m)?, at(to_m)?);
+        Some(Self {
+            mounted,
+            side,
+            centre_px: (from + to) / 2.0,
+            length_px: (to - from).norm(),
+            sigma1_squared: 2.0 * PI.sqrt() * edge_sigma_px
+                / (contrast_to_noise * contrast_to_noise),
+        })
+    }
+
+    /// The limb of a cylinder as an image line.
+    fn line(&self, cylinder: &Cylinder) -> Option<ImageLine> {
         let [plus, minus, _] =
             cylinder.image_lines(&self.mounted.camera, &self.mounted.rig_from_camera)?;
-        let line = if self.plus { plus } else { minus };
+        Some(match self.side {
+            Side::Plus => plus,
+            Side::Minus => minus,
+        })
+    }
+
+    /// Distance of the limb of a cylinder to this limb's centroid (px) and its angle (rad), relative to a line's normal.
+    fn observe(&self, cylinder: &Cylinder, normal: &Pixel) -> Option<Vector2<f64>> {
+        let line = self.line(cylinder)?;
         let n = if line.normal().dot(normal) < 0.0 {
             -line.normal()
         } else {
@@ -111,12 +177,13 @@ impl Limb<'_> {
 
     /// 1/variance of position (px⁻²) and angle (rad⁻²).
     fn information(&self) -> Vector2<f64> {
-        let ratio = 1.0 / self.contrast_to_noise;
-        let sigma1_squared = 2.0 * PI.sqrt() * APERTURE_SIGMA_PX * ratio * ratio;
         let length = self.length_px;
-        Vector2::new(length, length * length * length / 12.0) / sigma1_squared
+        Vector2::new(length, length * length * length / 12.0) / self.sigma1_squared
     }
 }
+
+/// An eigenvalue of the correlation matrix below this is what rounding leaves of none.
+const UNKNOWN: f64 = 1e-12;
 
 fn propagate(cylinder: &Cylinder, limbs: &[Limb<'_>]) -> Option<Limit> {
     let d = cylinder.axis.direction;
@@ -137,13 +204,7 @@ fn propagate(cylinder: &Cylinder, limbs: &[Limb<'_>]) -> Option<Limit> {
     };
     let mut information = Matrix5::zeros();
     for limb in limbs {
-        let [plus, minus, _] =
-            cylinder.image_lines(&limb.mounted.camera, &limb.mounted.rig_from_camera)?;
-        let normal = if limb.plus {
-            plus.normal()
-        } else {
-            minus.normal()
-        };
+        let normal = limb.line(cylinder)?.normal();
         let mut jacobian = SMatrix::<f64, 2, 5>::zeros();
         for k in 0..5 {
             let mut step = Vector5::zeros();
@@ -158,6 +219,11 @@ fn propagate(cylinder: &Cylinder, limbs: &[Limb<'_>]) -> Option<Limit> {
     // Scaled to correlations first: metres and radians differ by orders of magnitude.
     let scale = information.diagonal().map(|v| 1.0 / v.sqrt());
     let scaled = Matrix5::from_fn(|i, j| information[(i, j)] * scale[i] * scale[j]);
+    let eigenvalues = scaled.symmetric_eigenvalues();
+    // `!(…)` refuses NaN too: a parameter that no stretch knows.
+    if !(eigenvalues.min() > UNKNOWN) {
+        return None;
+    }
     let covariance = scaled.try_inverse()?;
     let variance = |k: usize| covariance[(k, k)] * scale[k] * scale[k];
     Some(Limit {

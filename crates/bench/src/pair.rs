@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nalgebra::Matrix6;
-use rodsight_geometry::{Line3, Rig, RigError, Vec3};
+use rodsight_geometry::{Cylinder, Line3, Rig, RigError, Vec3};
 use rodsight_render::{EyeTruth, LineTruth, Truth};
 use rodsight_solver::Estimate;
 
@@ -16,6 +16,19 @@ use crate::errors::{Errors, Located, TruthAxis};
 pub fn measure(truth: &Truth, estimate: &Estimate) -> Result<Option<Errors>, RigError> {
     let truth = truth_axis(truth)?;
     Ok(located(estimate).map(|located| Errors::of(&located, &truth)))
+}
+
+/// The errors of a solver's answer on a rod of which nothing but the cylinder is known, its grasp at the axis' reference point; `None`
+/// if it gave no axis. Depth counts along the rig's x.
+pub fn measure_cylinder(cylinder: &Cylinder, estimate: &Estimate) -> Option<Errors> {
+    let truth = TruthAxis {
+        axis: cylinder.axis,
+        radius_m: cylinder.radius_m,
+        grasp_m: cylinder.axis.point_m,
+        visible_span_m: [0.0; 2],
+        depth_direction: Vec3::x(),
+    };
+    Some(Errors::of(&located(estimate)?, &truth))
 }
 
 /// What the metrics need of a truth record: of the rod to be grasped, its tangent at the grasp.
@@ -65,7 +78,7 @@ fn seen_by_both(truth: &Truth) -> [f64; 2] {
 }
 
 /// What a solver answered, if it gave an axis.
-fn located(estimate: &Estimate) -> Option<Located> {
+pub fn located(estimate: &Estimate) -> Option<Located> {
     let axis = estimate.axis.as_ref()?;
     Some(Located {
         axis: Line3::new(axis.point_m?.into(), &axis.direction?.into()),

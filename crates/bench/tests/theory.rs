@@ -3,8 +3,8 @@
 //! removes the first part.
 #![expect(clippy::unwrap_used, reason = "helpers of tests may")]
 
-use rodsight_bench::{Errors, Limit, limit, measure};
-use rodsight_geometry::StereoPair;
+use rodsight_bench::{Errors, LimbStretch, Limit, edge_sigma_px, limit, limit_of, measure};
+use rodsight_geometry::{Cylinder, Eye, Line3, Side, StereoPair, Vec3};
 use rodsight_render::{CpuRenderer, Renderer, Truth, develop};
 use rodsight_scene::Scene;
 use rodsight_solver::{Method, PaperParams, Pick, Request, solve};
@@ -155,4 +155,43 @@ fn limit_agrees_with_the_closed_form_of_an_upright_rod() {
         (axis_angle_rad / tilt - 1.0).abs() < 0.15,
         "{axis_angle_rad} for {tilt}"
     );
+}
+
+/// What the truth record says of the limbs, said directly: the same limit.
+#[test]
+fn limit_is_the_same_by_both_doors() {
+    let scene = scene(0.05, 4.0);
+    let frame = CpuRenderer.render(&scene, &|_| ()).unwrap();
+    let developed = develop(&frame, &scene).unwrap();
+    let truth = Truth::of(&scene, &frame, developed.gain).unwrap();
+    let rod = truth.target();
+    let grasp_m = Vec3::from(truth.grasp.point_m);
+    let direction = Vec3::from(truth.grasp.axis.direction);
+    let cylinder = Cylinder {
+        axis: Line3::new(grasp_m, &direction),
+        radius_m: rod.radius_m,
+    };
+    let to_middle_m = (Vec3::from(rod.axis.point_m) - grasp_m).dot(&direction);
+    let stretches: Vec<LimbStretch> = [(Eye::Left, &rod.left), (Eye::Right, &rod.right)]
+        .into_iter()
+        .flat_map(|(eye, seen)| {
+            let [from_m, to_m] = seen.visible_m[0];
+            [(Side::Plus, 0), (Side::Minus, 1)].map(|(side, k)| LimbStretch {
+                eye,
+                side,
+                span_m: [to_middle_m + from_m, to_middle_m + to_m],
+                contrast_to_noise: seen.contrast_to_noise[k].unwrap(),
+                edge_sigma_px: edge_sigma_px(0.0),
+            })
+        })
+        .collect();
+    let direct = limit_of(&scene.rig, &cylinder, &stretches).unwrap();
+    let recorded = limit(&truth).unwrap().unwrap();
+    for (a, b) in [
+        (direct.axis_offset_m, recorded.axis_offset_m),
+        (direct.axis_angle_rad, recorded.axis_angle_rad),
+        (direct.radius_m, recorded.radius_m),
+    ] {
+        assert!((a / b - 1.0).abs() < 1e-6, "{a} and {b}");
+    }
 }
