@@ -1,9 +1,10 @@
 //! Scenes of every kind, drawn by seed.
 
-use rodsight_geometry::{Cylinder, Eye, Pose, Rig, StereoPair, Vec3, radians, rotation_from_rpy};
-use rodsight_solver::{CalibrationSigma, Pick, RadiusPrior, Request, Roi};
+use rodsight_geometry::{Cylinder, Pose, Vec3, radians, rotation_from_rpy};
+use rodsight_solver::{CalibrationSigma, RadiusPrior};
 
-use crate::common::{Ball, Random, Scene, Texture, rig, rod};
+use super::draft::{Dice, Draft, Trial};
+use super::painter::{Ball, Random, Scene, Texture, rig, rod};
 
 /// Every kind of scene.
 pub(crate) const KINDS: [&str; 30] = [
@@ -39,85 +40,17 @@ pub(crate) const KINDS: [&str; 30] = [
     "everything",
 ];
 
-/// A region that the founding paper's chain is used with, px.
-const REGION_PX: [u32; 2] = [640, 700];
-
-/// What is asked, but for the images.
-pub(crate) struct Asked {
-    regions: [Option<Roi>; 2],
-    pick: Option<Pick>,
-    radius: Option<RadiusPrior>,
-    calibration: Option<CalibrationSigma>,
-}
-
-impl Asked {
-    pub(crate) fn of<'a>(&self, pair: &'a StereoPair) -> Request<'a> {
-        Request {
-            roi_left: self.regions[0],
-            roi_right: self.regions[1],
-            pick: self.pick,
-            radius: self.radius,
-            calibration: self.calibration,
-            ..Request::new(pair)
-        }
-    }
-}
-
-/// A scene and what is asked of it.
-pub(crate) struct Trial {
-    pub(crate) scene: Scene,
-    pub(crate) request: Asked,
-    /// The rig as the solver is told.
-    pub(crate) believed: Rig,
-    /// The rod, if there is one.
-    pub(crate) target: Option<Cylinder>,
-}
-
-struct Dice(Random);
-
-impl Dice {
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.0.uniform()
-    }
-
-    /// Small values as often as large ones.
-    fn log_within(&mut self, low: f64, high: f64) -> f64 {
-        low * libm::pow(high / low, self.0.uniform())
-    }
-
-    fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
-        all[((self.0.uniform() * all.len() as f64) as usize).min(all.len() - 1)]
-    }
-
-    fn colour(&mut self) -> [f64; 3] {
-        self.one_of(&[
-            [0.6, 0.3, 0.06],
-            [0.5, 0.5, 0.45],
-            [0.15, 0.15, 0.15],
-            [0.7, 0.6, 0.05],
-            [0.4, 0.05, 0.03],
-            [0.05, 0.3, 0.1],
-        ])
-    }
-
-    /// A lamp at so many degrees from the view's axis, aside in a direction.
-    fn lamp(&mut self, from_deg: f64, to_deg: f64, side_rad: f64) -> Vec3 {
-        let off = radians(self.within(from_deg, to_deg));
-        let aside = libm::sin(off);
-        Vec3::new(
-            -libm::cos(off),
-            aside * libm::cos(side_rad),
-            aside * libm::sin(side_rad),
-        ) * self.within(0.5, 1.0)
-    }
-}
-
 /// A scene of a kind; `None` where the rod is not in both images.
 pub(crate) fn draw(kind: &str, seed: u64) -> Option<Trial> {
+    draft(kind, seed).finish()
+}
+
+/// A scene of a kind, to be changed.
+pub(crate) fn draft(kind: &str, seed: u64) -> Draft {
     if kind == "everything" {
         let mut dice = Dice(Random::new(seed.wrapping_mul(0xA24B_AED4)));
         let kind = dice.one_of(&KINDS[..KINDS.len() - 1]);
-        return draw(kind, seed.wrapping_add(1 << 32));
+        return draft(kind, seed.wrapping_add(1 << 32));
     }
     let mut dice = Dice(Random::new(seed.wrapping_mul(0x9FB2_1C65) ^ 0x1234_5678));
     let rig = rig();
@@ -177,14 +110,12 @@ pub(crate) fn draw(kind: &str, seed: u64) -> Option<Trial> {
         dice.lamp(35.0, 60.0, core::f64::consts::PI),
     ];
     scene.lamps = outboard.to_vec();
-    let mut request = Asked {
-        regions: [None; 2],
-        pick: None,
-        radius: None,
-        calibration: None,
-    };
-    let mut believed = rig;
-    let mut by_region = true;
+    let mut draft = Draft::new(scene, dice);
+    let Draft {
+        ref mut scene,
+        ref mut dice,
+        ..
+    } = draft;
     match kind {
         "flat" => {
             scene.lamps = Vec::new();
@@ -221,7 +152,7 @@ pub(crate) fn draw(kind: &str, seed: u64) -> Option<Trial> {
                 share: dice.within(0.3, 0.95),
             };
         }
-        "hidden" => hide(&mut scene, &mut dice, &target),
+        "hidden" => hide(scene, dice, &target),
         "snow" => {
             for _ in 0..(dice.log_within(30.0, 2000.0) as usize) {
                 let forward_m = dice.within(0.3, 3.0);
@@ -278,7 +209,7 @@ pub(crate) fn draw(kind: &str, seed: u64) -> Option<Trial> {
             } else {
                 dice.one_of(&[-1.0, 1.0]) * dice.within(0.02, 0.2)
             };
-            request.radius = Some(RadiusPrior {
+            draft.radius = Some(RadiusPrior {
                 radius_m: radius_m * (1.0 + wrong),
                 sigma_m: dice.one_of(&[None, Some(0.001 * radius_m)]),
             });
@@ -289,54 +220,22 @@ pub(crate) fn draw(kind: &str, seed: u64) -> Option<Trial> {
             let mut turn = || sigma_rad * dice.0.normal();
             let off = rotation_from_rpy(turn(), turn(), turn());
             let pose = &rig.right.rig_from_camera;
-            believed.right.rig_from_camera = Pose::new(off * pose.rotation(), pose.origin_m());
-            request.calibration = Some(CalibrationSigma {
+            draft.believed.right.rig_from_camera =
+                Pose::new(off * pose.rotation(), pose.origin_m());
+            draft.calibration = Some(CalibrationSigma {
                 pixel_px: 1566.6 * sigma_rad / core::f64::consts::SQRT_2,
                 roll_rad: sigma_rad / core::f64::consts::SQRT_2,
             });
         }
-        "pick_only" | "nothing" => by_region = false,
+        "pick_only" => draft.region_px = None,
+        "nothing" => {
+            draft.region_px = None;
+            draft.pick = None;
+        }
+        "no_rod" => draft.is_there = false,
         _ => {}
     }
-    let there = kind != "no_rod";
-    if !there {
-        scene.rods.clear();
-    }
-    let pixels = Eye::BOTH.map(|eye| rig.eye(eye).project(&target.axis.point_m));
-    let [Some(left), Some(right)] = pixels else {
-        return None;
-    };
-    if !(rig.left.camera.contains(&left) && rig.right.camera.contains(&right)) {
-        return None;
-    }
-    if kind != "nothing" {
-        request.pick = Some(Pick {
-            pixel: left,
-            eye: Eye::Left,
-        });
-    }
-    if by_region {
-        let region = |at: f64, length: u32, all: u32, jitter: f64| {
-            (at + jitter - 0.5 * f64::from(length)).clamp(0.0, f64::from(all - length)) as u32
-        };
-        let [width_px, height_px] = REGION_PX;
-        request.regions = [left, right].map(|at| {
-            let [a, b] = [dice.within(-60.0, 60.0), dice.within(-60.0, 60.0)];
-            Some(Roi {
-                x_px: region(at.x, width_px, 1920, a),
-                y_px: region(at.y, height_px, 1080, b),
-                width_px,
-                height_px,
-            })
-        });
-        scene.only = request.regions;
-    }
-    Some(Trial {
-        scene,
-        request,
-        believed,
-        target: there.then_some(target),
-    })
+    draft
 }
 
 /// Balls before up to three fifths of the rod.

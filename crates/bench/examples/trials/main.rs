@@ -1,44 +1,45 @@
 //! The joint method on thousands of painted pairs drawn by seed, kind by kind: errors, honesty, refusals, time.
 //!
-//! `cargo run --release -p rodsight-bench --example trials -- [-n COUNT] [--show] [KIND…]`
+//! `cargo run --release -p rodsight-bench --example trials -- [-n COUNT] [--show] [-o DIR] [KIND…]`
 //!
-//! The painter is that of the solver's tests, not the renderer: other code, other shading, other anti-aliasing.
+//! With `-o`, every outcome goes to `outcomes.csv`, how often each reason was given to `reasons.csv`, and risk against coverage and the
+//! coverage of the claimed ellipsoids are drawn (`risk_coverage.svg`, `coverage.svg`).
 
 #![expect(clippy::print_stdout, reason = "it is what it is for")]
 
-#[path = "../../../solver/tests/common/mod.rs"]
-mod common;
-mod drawn;
+#[path = "../chart/mod.rs"]
+mod chart;
+mod files;
+#[path = "../painted/mod.rs"]
+mod painted;
+mod plots;
 
 use std::error::Error;
+use std::path::PathBuf;
 
-use drawn::{KINDS, Trial, draw};
-use nalgebra::Matrix6;
+use painted::answer::Answer;
+use painted::kinds::{KINDS, draw};
 use rayon::prelude::*;
-use rodsight_bench::nees;
-use rodsight_geometry::{Line3, angle_between, degrees};
-use rodsight_solver::{Estimate, Method, PaperParams, Status, solve};
+use rodsight_bench::statistics::{anees, quantile, share_interval};
+use rodsight_solver::{Method, SolveError, Status};
 
-/// One in ten thousand honest answers is farther off, with four degrees of freedom.
-const WRONG_NEES: f64 = 23.5;
-
-/// What became of a trial.
-struct Outcome {
-    seed: u64,
-    estimate: Estimate,
-    /// Axis offset in mm, angle in degrees, NEES, claimed offset in mm.
-    errors: Option<[f64; 4]>,
-}
+/// The median of χ² with four degrees of freedom.
+const MEDIAN_NEES: f64 = 3.357;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (mut count, mut shows, mut kinds) = (40, false, Vec::new());
+    let (mut count, mut shows, mut kinds, mut out) = (40, false, Vec::new(), None);
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
             "-n" => count = words.next().ok_or("-n asks for a number")?.parse()?,
+            "-o" => out = Some(PathBuf::from(words.next().ok_or("-o asks for a folder")?)),
             "--show" => shows = true,
-            _ => kinds.push(word),
+            _ if KINDS.contains(&word.as_str()) => kinds.push(word),
+            _ => return Err(format!("expected one of {KINDS:?}, found `{word}`").into()),
         }
+    }
+    if let Some(dir) = &out {
+        std::fs::create_dir_all(dir)?;
     }
     println!(
         "{:<12} {:>5} {:>5} {:>5} {:>5} | {:>8} {:>8} {:>8} {:>8} | {:>6} {:>6} {:>5} {:>5} | {:>6}",
@@ -57,118 +58,96 @@ fn main() -> Result<(), Box<dyn Error>> {
         "wrDeg",
         "ms"
     );
+    let mut all = Vec::new();
     for kind in KINDS {
         if !kinds.is_empty() && !kinds.iter().any(|k| k == kind) {
             continue;
         }
-        let seeds: Vec<u64> = (0..count).collect();
-        let outcomes: Vec<Outcome> = seeds
-            .par_iter()
-            .filter_map(|seed| outcome(kind, *seed))
-            .collect();
-        summarise(kind, &outcomes);
+        let answers: Vec<Answer> = (0..count)
+            .into_par_iter()
+            .filter_map(|seed| answer(kind, seed).transpose())
+            .collect::<Result<_, _>>()?;
+        summarise(kind, &answers);
         if shows {
-            for outcome in &outcomes {
-                show(outcome);
-            }
+            answers.iter().for_each(show);
         }
+        all.push((kind, answers));
+    }
+    println!("{}", confidently_wrong(&all));
+    if let Some(dir) = out {
+        files::write(&dir, &all)?;
+        plots::draw(&dir, &all)?;
     }
     Ok(())
 }
 
-fn outcome(kind: &str, seed: u64) -> Option<Outcome> {
-    let Trial {
-        scene,
-        request,
-        believed,
-        target,
-    } = draw(kind, seed)?;
-    let mut pair = scene.pair();
-    pair.rig = believed;
-    let estimate = solve(&request.of(&pair), Method::Joint, &PaperParams::default()).ok()?;
-    let errors = estimate.axis.and_then(|axis| {
-        let here = Line3::new(axis.point_m?.into(), &axis.direction?.into());
-        let there = target?.axis;
-        let rows = axis.covariance?;
-        let covariance = Matrix6::from_fn(|i, j| rows[i][j]);
-        let angle = angle_between(&here.direction, &there.direction);
-        let angle = angle.min(core::f64::consts::PI - angle);
-        let nees = nees(&here, &covariance, &there).value;
-        let claimed = (0..3).map(|k| rows[k][k]).sum::<f64>().sqrt();
-        Some([
-            1e3 * here.distance_m(&there.point_m),
-            degrees(angle),
-            nees,
-            1e3 * claimed,
-        ])
-    });
-    // An answer where there is no rod is wrong.
-    let errors = errors.or_else(|| {
-        let invented = target.is_none() && estimate.status != Status::Refused;
-        invented.then_some([f64::INFINITY; 4])
-    });
-    Some(Outcome {
-        seed,
-        estimate,
-        errors,
-    })
+/// `None` where the rod is not in both images.
+fn answer(kind: &str, seed: u64) -> Result<Option<Answer>, SolveError> {
+    let Some(trial) = draw(kind, seed) else {
+        return Ok(None);
+    };
+    Answer::of(seed, &trial, &trial.pair(), Method::Joint).map(Some)
 }
 
-fn summarise(kind: &str, outcomes: &[Outcome]) {
-    let status = |status: Status| {
-        let all = outcomes.iter().filter(|o| o.estimate.status == status);
-        all.count()
-    };
-    let answered = |o: &&Outcome| o.estimate.status != Status::Refused;
-    let column = |k: usize| {
-        let all = outcomes.iter().filter(answered);
-        let mut values: Vec<f64> = all.filter_map(|o| Some(o.errors?[k])).collect();
-        values.sort_by(f64::total_cmp);
-        values
-    };
-    let quantile = |values: &[f64], share: f64| {
-        let place = (share * values.len() as f64) as usize;
-        values
-            .get(place.min(values.len().saturating_sub(1)))
-            .copied()
-            .unwrap_or(f64::NAN)
-    };
-    let wrong = |status: Status| {
-        let all = outcomes.iter().filter(|o| o.estimate.status == status);
-        all.filter(|o| o.errors.is_some_and(|e| e[2] > WRONG_NEES))
-            .count()
-    };
-    let (off, angle, nees) = (column(0), column(1), column(2));
-    let anees = nees.iter().sum::<f64>() / 4.0 / nees.len().max(1) as f64;
-    let mut times: Vec<f64> = outcomes
-        .iter()
-        .map(|o| o.estimate.timing_ms.total)
-        .collect();
-    times.sort_by(f64::total_cmp);
+fn with(answers: &[Answer], status: Status) -> impl Iterator<Item = &Answer> {
+    answers.iter().filter(move |a| a.status() == status)
+}
+
+fn summarise(kind: &str, answers: &[Answer]) {
+    let at = |values: &[f64], share: f64| quantile(values, share).unwrap_or(f64::NAN);
+    let off: Vec<f64> = answers.iter().filter_map(Answer::offset_mm).collect();
+    let angle: Vec<f64> = answers.iter().filter_map(Answer::angle_deg).collect();
+    let all_nees: Vec<_> = answers.iter().filter_map(Answer::nees).collect();
+    let nees: Vec<f64> = all_nees.iter().map(|nees| nees.value).collect();
+    let times: Vec<f64> = answers.iter().map(|a| a.estimate.timing_ms.total).collect();
+    let wrong = |status| with(answers, status).filter(|a| a.is_wrong()).count();
     println!(
         "{kind:<12} {:>5} {:>5} {:>5} {:>5} | {:8.4} {:8.3} {:8.4} {:8.4} | {:6.2} {:6.2} {:>5} {:>5} | {:6.0}",
-        status(Status::Ok),
-        status(Status::Degraded),
-        status(Status::Refused),
-        outcomes.len(),
-        quantile(&off, 0.5),
-        quantile(&off, 0.95),
-        quantile(&angle, 0.5),
-        quantile(&angle, 0.95),
-        anees,
-        quantile(&nees, 0.5) / 3.357,
+        with(answers, Status::Ok).count(),
+        with(answers, Status::Degraded).count(),
+        with(answers, Status::Refused).count(),
+        answers.len(),
+        at(&off, 0.5),
+        at(&off, 0.95),
+        at(&angle, 0.5),
+        at(&angle, 0.95),
+        anees(&all_nees).unwrap_or(f64::NAN),
+        at(&nees, 0.5) / MEDIAN_NEES,
         wrong(Status::Ok),
         wrong(Status::Degraded),
-        quantile(&times, 0.5),
+        at(&times, 0.5),
     );
 }
 
-fn show(outcome: &Outcome) {
-    let [off, angle, nees, claimed] = outcome.errors.unwrap_or([f64::NAN; 4]);
+/// How many of the answers that are called ok are wrong, and how many there may be; `everything` draws the others again.
+fn confidently_wrong(all: &[(&str, Vec<Answer>)]) -> String {
+    let answers = || all.iter().flat_map(|(_, answers)| answers);
+    let ok = answers().filter(|a| a.status() == Status::Ok);
+    let (of, wrong) = ok.fold((0, 0), |(of, wrong), a| {
+        (of + 1, wrong + usize::from(a.is_wrong()))
+    });
+    let scenes = answers().count();
+    let bound = |of: usize| {
+        share_interval(wrong, of, 0.9).map_or("unknown".to_owned(), |[_, high]| {
+            format!("{:.3} %", 100.0 * high)
+        })
+    };
+    format!(
+        "ok and wrong: {wrong} of {of} ok, below {} at 95 % confidence (Clopper–Pearson, one-sided); of {scenes} scenes, below {}",
+        bound(of),
+        bound(scenes),
+    )
+}
+
+fn show(answer: &Answer) {
     println!(
-        "  {:4} {:?} {off:.4} mm of {claimed:.4}, {angle:.4}°, NEES {nees:.1}, {}",
-        outcome.seed,
-        outcome.estimate.status,
-        outcome.estimate.reason.as_deref().unwrap_or_default()
+        "  {:4} {:?} {:.4} mm of {:.4}, {:.4}°, NEES {:.1}, {}",
+        answer.seed,
+        answer.status(),
+        answer.offset_mm().unwrap_or(f64::NAN),
+        1e3 * answer.claimed_offset_m.unwrap_or(f64::NAN),
+        answer.angle_deg().unwrap_or(f64::NAN),
+        answer.nees().map_or(f64::NAN, |nees| nees.value),
+        answer.estimate.reason.as_deref().unwrap_or_default()
     );
 }

@@ -1,0 +1,87 @@
+//! What a method answered, and how far off that is.
+
+use rodsight_bench::{Errors, Nees, located, measure_cylinder, statistics::is_wrong};
+use rodsight_geometry::{StereoPair, degrees};
+use rodsight_solver::{Estimate, Method, PaperParams, SolveError, Status, solve};
+
+use super::draft::Trial;
+
+/// An answer and its errors, if it gave an axis and there is a rod.
+pub(crate) struct Answer {
+    pub(crate) seed: u64,
+    pub(crate) estimate: Estimate,
+    pub(crate) errors: Option<Errors>,
+    /// How far off the axis is claimed to be at the true grasp, m.
+    pub(crate) claimed_offset_m: Option<f64>,
+    is_invented: bool,
+}
+
+impl Answer {
+    /// Solves a trial.
+    pub(crate) fn of(
+        seed: u64,
+        trial: &Trial,
+        pair: &StereoPair,
+        method: Method,
+    ) -> Result<Self, SolveError> {
+        let estimate = solve(&trial.request.of(pair), method, &PaperParams::default())?;
+        let errors = trial
+            .target
+            .and_then(|target| measure_cylinder(&target, &estimate));
+        let claimed_offset_m = trial
+            .target
+            .and_then(|target| located(&estimate)?.claimed_offset_m(&target.axis.point_m));
+        Ok(Self {
+            seed,
+            errors,
+            claimed_offset_m,
+            is_invented: trial.target.is_none() && estimate.status != Status::Refused,
+            estimate,
+        })
+    }
+
+    pub(crate) fn status(&self) -> Status {
+        self.estimate.status
+    }
+
+    pub(crate) fn is_answered(&self) -> bool {
+        self.status() != Status::Refused
+    }
+
+    /// Errors of an answer that is not refused.
+    pub(crate) fn answered(&self) -> Option<&Errors> {
+        self.errors.as_ref().filter(|_| self.is_answered())
+    }
+
+    pub(crate) fn offset_mm(&self) -> Option<f64> {
+        Some(1e3 * self.answered()?.axis_offset_m)
+    }
+
+    pub(crate) fn angle_deg(&self) -> Option<f64> {
+        Some(degrees(self.answered()?.axis_angle_rad))
+    }
+
+    pub(crate) fn nees(&self) -> Option<Nees> {
+        self.answered()?.nees
+    }
+
+    /// Whether it is farther off than it may be, or of a rod that is not there. A method that claims nothing is never wrong.
+    pub(crate) fn is_wrong(&self) -> bool {
+        self.is_invented || self.nees().is_some_and(|nees| is_wrong(&nees))
+    }
+
+    /// Short fixed name of the reason of a refusal.
+    pub(crate) fn reason_code(&self) -> &str {
+        let code = self.estimate.observability.refusal.as_deref();
+        code.unwrap_or_default()
+    }
+}
+
+/// As in files.
+pub(crate) fn status_name(status: Status) -> &'static str {
+    match status {
+        Status::Ok => "ok",
+        Status::Degraded => "degraded",
+        Status::Refused => "refused",
+    }
+}
