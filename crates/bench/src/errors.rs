@@ -1,5 +1,6 @@
 //! Errors of one estimate against the truth.
 
+use nalgebra::Matrix3;
 use rodsight_geometry::{Line3, Vec3, radians};
 use serde::Serialize;
 
@@ -44,20 +45,17 @@ impl Located {
         }
     }
 
-    /// How far off the axis is claimed to be where it passes a point, m: the root of the trace of the covariance of the axis there.
+    /// How far off the axis is claimed to be where it passes a point, m: the root mean square across the axis. What the reference point
+    /// may be off along the axis does not count.
     pub fn claimed_offset_m(&self, at_m: &Vec3) -> Option<f64> {
         let covariance = self.covariance.as_ref()?;
-        let along_m = self.axis.direction.dot(&(at_m - self.axis.point_m));
-        let variance_m2: f64 = (0..3)
-            .map(|k| {
-                covariance[(k, k)]
-                    + along_m
-                        * (covariance[(k, k + 3)]
-                            + covariance[(k + 3, k)]
-                            + along_m * covariance[(k + 3, k + 3)])
-            })
-            .sum();
-        Some(variance_m2.max(0.0).sqrt())
+        let direction = self.axis.direction;
+        let along_m = direction.dot(&(at_m - self.axis.point_m));
+        let block = |i: usize, j: usize| covariance.fixed_view::<3, 3>(i, j);
+        let there: Matrix3<f64> =
+            block(0, 0) + (block(0, 3) + block(3, 0)) * along_m + block(3, 3) * (along_m * along_m);
+        let along_m2 = direction.dot(&(there * direction));
+        Some((there.trace() - along_m2).max(0.0).sqrt())
     }
 }
 

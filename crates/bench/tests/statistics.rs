@@ -119,8 +119,11 @@ fn risk_rises_with_coverage_where_claims_are_worth_something() {
 
 #[test]
 fn claimed_offset_grows_along_the_axis() {
-    // 3 mm in y, 4 mm in z; 0.01 rad in y; the point errs with the direction.
+    // 3 mm in y, 4 mm in z; 0.01 rad in y; the point errs with the direction; along the axis it is anywhere.
     let mut covariance = Matrix6::zeros();
+    covariance[(0, 0)] = 1.0;
+    covariance[(0, 4)] = 0.1;
+    covariance[(4, 0)] = 0.1;
     covariance[(1, 1)] = 9e-6;
     covariance[(2, 2)] = 16e-6;
     covariance[(4, 4)] = 1e-4;
