@@ -146,6 +146,21 @@ impl<'a, 'b> Panel<'a, 'b> {
         Ok(())
     }
 
+    /// A mark with its interval, given as (place, low, middle, high).
+    pub(crate) fn whisker(
+        &mut self,
+        (place, low, middle, high): (f64, f64, f64, f64),
+        colour: RGBColor,
+        mark_px: u32,
+    ) -> Result<(), DrawError> {
+        let span = [(place, low), (place, high)];
+        self.chart
+            .draw_series([PathElement::new(span, colour.mix(0.35).stroke_width(9))])?;
+        self.chart
+            .draw_series([Circle::new((place, middle), mark_px, colour.filled())])?;
+        Ok(())
+    }
+
     /// A rectangle.
     pub(crate) fn bar(
         &mut self,

@@ -13,7 +13,7 @@ pub(crate) struct Answer {
     pub(crate) errors: Option<Errors>,
     /// How far off the axis is claimed to be at the true grasp, m.
     pub(crate) claimed_offset_m: Option<f64>,
-    is_invented: bool,
+    has_rod: bool,
 }
 
 impl Answer {
@@ -35,13 +35,18 @@ impl Answer {
             seed,
             errors,
             claimed_offset_m,
-            is_invented: trial.target.is_none() && estimate.status != Status::Refused,
+            has_rod: trial.target.is_some(),
             estimate,
         })
     }
 
     pub(crate) fn status(&self) -> Status {
         self.estimate.status
+    }
+
+    /// Whether there is something to answer, or an answer all the same: that nothing was found where nothing is costs no coverage.
+    pub(crate) fn counts(&self) -> bool {
+        self.has_rod || self.is_answered()
     }
 
     pub(crate) fn is_answered(&self) -> bool {
@@ -67,7 +72,8 @@ impl Answer {
 
     /// Whether it is farther off than it may be, or of a rod that is not there. A method that claims nothing is never wrong.
     pub(crate) fn is_wrong(&self) -> bool {
-        self.is_invented || self.nees().is_some_and(|nees| is_wrong(&nees))
+        let is_invented = self.is_answered() && !self.has_rod;
+        is_invented || self.nees().is_some_and(|nees| is_wrong(&nees))
     }
 
     /// Short fixed name of the reason of a refusal.

@@ -9,10 +9,10 @@ use rodsight_solver::Method;
 use crate::chart::panel::Panel;
 use crate::chart::scale::{Scale, Spread};
 use crate::chart::{
-    AMBER, BLUE, DrawError, GREEN, GREY, INK, LABEL_PX, Mark, TITLE_PX, VERMILION, WIDTH_PX,
+    AMBER, Area, BLUE, DrawError, GREEN, GREY, INK, LABEL_PX, Mark, TITLE_PX, VERMILION, WIDTH_PX,
     legend, text,
 };
-use crate::list::Sweep;
+use crate::list::{Sweep, Values};
 use crate::summary::{MethodSummary, Summary};
 
 const HEIGHT_PX: u32 = 880;
@@ -46,7 +46,7 @@ pub(crate) fn draw(path: &Path, sweep: &Sweep, summaries: &[Summary]) -> Result<
         &root,
         [20, 102],
         &[
-            (Mark::Line, INK, "median, 95 % band"),
+            (Mark::Line, INK, "median, its 95 % interval"),
             (Mark::Dotted, INK, "p95"),
             (Mark::Dashed, INK, "Cramér–Rao limit"),
         ],
@@ -59,7 +59,7 @@ pub(crate) fn draw(path: &Path, sweep: &Sweep, summaries: &[Summary]) -> Result<
             .map(|summary| (summary.value, summary.name.clone()))
             .collect(),
     );
-    errors(&upper, &x, summaries)?;
+    errors(&upper, &x, sweep, summaries)?;
     let (head, lower) = lower.split_vertically(40);
     legend(
         &head,
@@ -87,8 +87,9 @@ pub(crate) fn draw(path: &Path, sweep: &Sweep, summaries: &[Summary]) -> Result<
 }
 
 fn errors(
-    area: &crate::chart::Area<'_>,
+    area: &Area<'_>,
     x: &Scale,
+    sweep: &Sweep,
     summaries: &[Summary],
 ) -> Result<(), DrawError> {
     let kept = |mm: f64| mm.clamp(DRAWN_MM[0], DRAWN_MM[1]);
@@ -101,6 +102,19 @@ fn errors(
     });
     let y = Scale::decades(drawn);
     let mut panel = Panel::new(area, [x, &y], None, "axis off at the grasp, mm")?;
+    if matches!(sweep.values, Values::Named(_)) {
+        marks(&mut panel, [x, &y], summaries)
+    } else {
+        lines(&mut panel, [x, &y], summaries)
+    }
+}
+
+/// What has an order: lines from value to value.
+fn lines(
+    panel: &mut Panel<'_, '_>,
+    [x, y]: [&Scale; 2],
+    summaries: &[Summary],
+) -> Result<(), DrawError> {
     let at = |mm: f64| y.clamped(mm);
     for method in Method::ALL.into_iter().rev() {
         let of = |get: fn(&MethodSummary) -> Option<f64>| {
@@ -130,6 +144,35 @@ fn errors(
     Ok(())
 }
 
+/// What has no order: marks beside each other.
+fn marks(
+    panel: &mut Panel<'_, '_>,
+    [x, y]: [&Scale; 2],
+    summaries: &[Summary],
+) -> Result<(), DrawError> {
+    const ASIDE: f64 = 0.03;
+    for summary in summaries {
+        let middle = x.at(summary.value);
+        for (k, method) in Method::ALL.into_iter().enumerate() {
+            let place = middle + ASIDE * (k as f64 - 1.0);
+            let Some(of) = summary.method(method) else {
+                continue;
+            };
+            if let Some(m) = of.median_mm {
+                let [low, median, high] = [m.low, m.middle, m.high].map(|mm| y.clamped(mm));
+                panel.whisker((place, low, median, high), colour(method), 7)?;
+                let p95 = y.clamped(of.p95_mm.unwrap_or(m.high));
+                panel.dashed(&[(place, median), (place, p95)], colour(method), 2)?;
+            }
+        }
+        if let Some(limit_mm) = summary.limit_mm {
+            let (limit, half) = (y.clamped(limit_mm), 2.0 * ASIDE);
+            panel.dashed(&[(middle - half, limit), (middle + half, limit)], INK, 10)?;
+        }
+    }
+    Ok(())
+}
+
 /// Points of values next to each other: a line is not drawn over values that have none.
 fn stretches<T>(summaries: &[Summary], point: impl Fn(&Summary) -> Option<T>) -> Vec<Vec<T>> {
     let mut all = vec![Vec::new()];
@@ -144,7 +187,7 @@ fn stretches<T>(summaries: &[Summary], point: impl Fn(&Summary) -> Option<T>) ->
 }
 
 fn answers(
-    area: &crate::chart::Area<'_>,
+    area: &Area<'_>,
     x: &Scale,
     sweep: &Sweep,
     summaries: &[Summary],

@@ -11,7 +11,7 @@ use rodsight_solver::Status;
 use crate::chart::panel::Panel;
 use crate::chart::scale::{Scale, Spread};
 use crate::chart::{
-    AMBER, Area, BLUE, DrawError, GREY, Mark, TITLE_PX, VERMILION, WIDTH_PX, legend, text,
+    AMBER, Area, BLUE, DrawError, GREY, LABEL_PX, Mark, TITLE_PX, VERMILION, WIDTH_PX, legend, text,
 };
 use crate::painted::answer::Answer;
 
@@ -19,17 +19,23 @@ use crate::painted::answer::Answer;
 const PROBABILITIES: [f64; 4] = [0.5, 0.9, 0.95, 0.99];
 
 pub(crate) fn draw(dir: &Path, all: &[(&str, Vec<Answer>)]) -> Result<(), DrawError> {
-    let answers: Vec<&Answer> = all.iter().flat_map(|(_, answers)| answers).collect();
+    let answers = all.iter().flat_map(|(_, answers)| answers);
+    let answers: Vec<&Answer> = answers.filter(|answer| answer.counts()).collect();
     risk(&dir.join("risk_coverage.svg"), &answers)?;
     claims(&dir.join("coverage.svg"), &answers)
 }
 
-fn titled<'a>(root: &Area<'a>, title: &str) -> Result<Area<'a>, DrawError> {
+fn titled<'a>(root: &Area<'a>, title: &str, scenes: usize) -> Result<Area<'a>, DrawError> {
     root.fill(&WHITE)?;
     root.draw(&Text::new(
         title.to_owned(),
         (16, 28),
         text(TITLE_PX, HPos::Left, VPos::Center),
+    ))?;
+    root.draw(&Text::new(
+        format!("{scenes} scenes"),
+        (WIDTH_PX.cast_signed() - 22, 70),
+        text(LABEL_PX, HPos::Right, VPos::Center),
     ))?;
     Ok(root.split_vertically(96).1)
 }
@@ -47,6 +53,7 @@ fn risk(path: &Path, answers: &[&Answer]) -> Result<(), DrawError> {
     let body = titled(
         &root,
         "joint: the share of answers that is lost, surest first",
+        answers.len(),
     )?;
     let levels = SUCCESS_LEVELS.map(|level| format!("> {} mm", 1e3 * level.offset_m));
     let colours = [BLUE, AMBER, VERMILION];
@@ -99,6 +106,7 @@ fn claims(path: &Path, answers: &[&Answer]) -> Result<(), DrawError> {
     let body = titled(
         &root,
         "joint: how often the truth is within what is claimed",
+        answers.len(),
     )?;
     let entries = [
         (Mark::Line, BLUE, "ok"),
