@@ -3,7 +3,7 @@
 #[path = "../examples/painted/mod.rs"]
 mod painted;
 
-use painted::limbs::{contrast_to_noise, limit_painted, share_seen};
+use painted::limbs::Limbs;
 use painted::painter::{Ball, ORANGE, Scene, WATER, rig, rod};
 use rodsight_bench::{LimbStretch, Limit, edge_sigma_px, limit_of, step_contrast_to_noise};
 use rodsight_geometry::{Cylinder, Eye, Side, Vec3};
@@ -125,7 +125,7 @@ fn painted_limit_is_that_of_what_was_painted() {
         .map(|k| (ORANGE[k] - WATER[k]) * (ORANGE[k] - WATER[k]))
         .sum();
     let expected = libm::sqrt(step) / scene.stored_sigma();
-    let found = contrast_to_noise(&scene).unwrap();
+    let found = Limbs::of(&scene).contrast_to_noise().unwrap();
     assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
     // 700 px at 2.3 m, less what the blur needs at both ends.
     let half_m = 0.5 * 700.0 * 2.3 / 1566.5776;
@@ -134,19 +134,20 @@ fn painted_limit_is_that_of_what_was_painted() {
         limb.span_m = [-half_m, half_m];
     }
     let by_hand = limit_of(&rig(), &upright(), &by_hand).unwrap();
-    ratio(&limit_painted(&scene).unwrap(), &by_hand, 1.0, 0.04);
+    let free = Limbs::of(&scene);
+    ratio(&free.limit(&scene).unwrap(), &by_hand, 1.0, 0.04);
     // A ball before the middle hides its own length of both limbs in both eyes, and takes as much away.
-    assert_eq!(share_seen(&scene), 1.0);
     scene.balls.push(Ball {
         centre_m: upright().axis.point_m - Vec3::x() * 0.2,
         radius_m: 0.1,
         colour: WATER,
     });
-    let seen = share_seen(&scene);
+    let limbs = Limbs::of(&scene);
+    let seen = limbs.pieces() as f64 / free.pieces() as f64;
     assert!((0.7..0.95).contains(&seen), "{seen}");
-    let limit = limit_painted(&scene).unwrap();
+    let limit = limbs.limit(&scene).unwrap();
     assert!(limit.axis_offset_m > by_hand.axis_offset_m);
     // Bent, it has no limit that is known.
     scene.curvature_per_m = Vec3::y() * 0.1;
-    assert_eq!(limit_painted(&scene), None);
+    assert_eq!(limbs.limit(&scene), None);
 }

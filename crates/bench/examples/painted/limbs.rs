@@ -3,7 +3,7 @@
 use rodsight_bench::{LimbStretch, Limit, edge_sigma_px, limit_of, step_contrast_to_noise};
 use rodsight_geometry::{Cylinder, Eye, Line3, Pixel, Side};
 
-use super::painter::Scene;
+use super::painter::{Disc, Scene};
 
 /// Length of the stretches over which a limb's contrast is taken for constant, px.
 const STRETCH_PX: f64 = 4.0;
@@ -12,49 +12,52 @@ const STEP: f64 = 0.25;
 /// How far across an edge its profile is followed, in units of its spread.
 const REACH: f64 = 4.0;
 
-/// The limit of a straight first rod; `None` of a bent one, without one, and where too little of it is seen.
-pub(crate) fn limit_painted(scene: &Scene) -> Option<Limit> {
-    let rod = scene.rods.first()?;
-    if scene.curvature_per_m.norm() > 0.0 {
-        return None;
+/// The limbs of the first rod, as far as they are painted and nothing hides them.
+pub(crate) struct Limbs {
+    stretches: Vec<LimbStretch>,
+}
+
+impl Limbs {
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let sides = [Side::Plus, Side::Minus];
+        let stretches = scene.rods.first().map_or(Vec::new(), |rod| {
+            Eye::BOTH
+                .into_iter()
+                .flat_map(|eye| {
+                    let discs = scene.discs(eye);
+                    sides
+                        .map(|side| limb(scene, rod, eye, side, &discs))
+                        .concat()
+                })
+                .collect()
+        });
+        Self { stretches }
     }
-    limit_of(&scene.rig, rod, &stretches(scene))
-}
 
-/// The contrast over noise of all limbs that are seen, root mean square over their length.
-pub(crate) fn contrast_to_noise(scene: &Scene) -> Option<f64> {
-    let all = stretches(scene);
-    let squares = all
-        .iter()
-        .map(|s| s.contrast_to_noise * s.contrast_to_noise);
-    (!all.is_empty()).then(|| libm::sqrt(squares.sum::<f64>() / all.len() as f64))
-}
+    /// The limit of a straight rod; `None` of a bent one, without one, and where too little of it is seen.
+    pub(crate) fn limit(&self, scene: &Scene) -> Option<Limit> {
+        if scene.curvature_per_m.norm() > 0.0 {
+            return None;
+        }
+        limit_of(&scene.rig, scene.rods.first()?, &self.stretches)
+    }
 
-/// The share of the limbs' length within the painted regions that nothing hides.
-pub(crate) fn share_seen(scene: &Scene) -> f64 {
-    let free = Scene {
-        balls: Vec::new(),
-        ..scene.clone()
-    };
-    let length = |scene: &Scene| stretches(scene).len() as f64;
-    length(scene) / length(&free).max(1.0)
-}
+    /// The contrast over noise, root mean square over the length that is seen.
+    pub(crate) fn contrast_to_noise(&self) -> Option<f64> {
+        let contrasts = self.stretches.iter().map(|s| s.contrast_to_noise);
+        let squares: f64 = contrasts.map(|contrast| contrast * contrast).sum();
+        let count = self.stretches.len();
+        (count > 0).then(|| libm::sqrt(squares / count as f64))
+    }
 
-fn stretches(scene: &Scene) -> Vec<LimbStretch> {
-    let Some(rod) = scene.rods.first() else {
-        return Vec::new();
-    };
-    let sides = [Side::Plus, Side::Minus];
-    let limbs = Eye::BOTH
-        .into_iter()
-        .flat_map(|eye| sides.map(|side| (eye, side)));
-    limbs
-        .flat_map(|(eye, side)| limb(scene, rod, eye, side))
-        .collect()
+    /// How much of them is seen, in pieces of a length.
+    pub(crate) fn pieces(&self) -> usize {
+        self.stretches.len()
+    }
 }
 
 /// One limb, cut where the painted region's borders are and into pieces as long in the image.
-fn limb(scene: &Scene, rod: &Cylinder, eye: Eye, side: Side) -> Vec<LimbStretch> {
+fn limb(scene: &Scene, rod: &Cylinder, eye: Eye, side: Side, discs: &[Disc]) -> Vec<LimbStretch> {
     let mounted = scene.rig.eye(eye);
     let seen_at = |along_m: f64| {
         let at = Line3 {
@@ -92,7 +95,7 @@ fn limb(scene: &Scene, rod: &Cylinder, eye: Eye, side: Side) -> Vec<LimbStretch>
             let along = (next - from).normalize();
             let normal = Pixel::new(-along.y, along.x);
             let inwards = normal * (axis - at).dot(&normal).signum();
-            if let Some(contrast_to_noise) = contrast(scene, eye, &at, &inwards) {
+            if let Some(contrast_to_noise) = contrast(scene, eye, [&at, &inwards], discs) {
                 is_near = true;
                 found.push(LimbStretch {
                     eye,
@@ -118,16 +121,25 @@ fn is_painted(scene: &Scene, eye: Eye, at: &Pixel) -> bool {
 }
 
 /// What the stored profile across the limb is worth; `None` where the limb is hidden or at the region's border.
-fn contrast(scene: &Scene, eye: Eye, at: &Pixel, inwards: &Pixel) -> Option<f64> {
+fn contrast(scene: &Scene, eye: Eye, [at, inwards]: [&Pixel; 2], discs: &[Disc]) -> Option<f64> {
     let spread_px = edge_sigma_px(scene.blur_px);
     let step_px = STEP * spread_px;
     let half = (REACH / STEP) as i32;
+    let reach_px = 2.0 * REACH * spread_px;
+    let near: Vec<&Disc> = discs
+        .iter()
+        .filter(|disc| (disc.centre_px - at).norm() < disc.radius_px + reach_px + 1.0)
+        .collect();
     // As far again as the profile: the spread reaches beyond its ends.
     let light: Option<Vec<[f64; 3]>> = (-2 * half..=2 * half)
         .map(|k| {
             // Between the steps, so that the limb itself is at a border.
             let place = at + inwards * ((f64::from(k) + 0.5) * step_px);
-            scene.light(eye, place.x, place.y)
+            let (light, range_m) = scene.light(eye, place.x, place.y)?;
+            let is_hidden = near.iter().any(|disc| {
+                range_m > disc.range_m && (disc.centre_px - place).norm() < disc.radius_px + 0.5
+            });
+            (!is_hidden).then_some(light)
         })
         .collect();
     let light = light?;

@@ -9,7 +9,7 @@ use crate::list::Sweep;
 use crate::painted::answer::Answer;
 use crate::painted::draft::Trial;
 use crate::painted::kinds::draft;
-use crate::painted::limbs::{contrast_to_noise, limit_painted};
+use crate::painted::limbs::Limbs;
 use crate::rows::Row;
 
 /// A row per value, seed and method.
@@ -60,8 +60,8 @@ fn solve_one(sweep: &Sweep, value: (f64, &str), seed: u64) -> Result<Vec<Row>, S
     let Some(trial) = trial(sweep, value.0, seed) else {
         unreachable!("seeds are of scenes that can be drawn");
     };
-    let limit = limit_painted(&trial.scene);
-    let contrast = contrast_to_noise(&trial.scene);
+    let limbs = Limbs::of(&trial.scene);
+    let (limit, contrast) = (limbs.limit(&trial.scene), limbs.contrast_to_noise());
     let pair = trial.pair();
     Method::ALL
         .into_iter()

@@ -6,7 +6,7 @@ use rodsight_geometry::{
 use rodsight_solver::CalibrationSigma;
 
 use crate::painted::draft::{Dice, Draft, Trial};
-use crate::painted::limbs::{contrast_to_noise, share_seen};
+use crate::painted::limbs::Limbs;
 use crate::painted::painter::{Ball, Random, Scene, Texture, rig};
 
 /// Noise under which there is not more contrast over noise but less contrast, of 1: 2.5 of 255 codes, so that the dark end of the
@@ -35,7 +35,7 @@ pub(crate) fn contrast(trial: &mut Trial, value: f64) {
     scene.noise_sigma = CONTRAST_NOISE_SIGMA;
     let mut at = |haze_per_m: f64| {
         scene.haze_per_m = haze_per_m;
-        contrast_to_noise(scene).unwrap_or(0.0)
+        Limbs::of(scene).contrast_to_noise().unwrap_or(0.0)
     };
     let most = at(drawn_per_m);
     if most > value {
@@ -144,8 +144,9 @@ pub(crate) fn occlusion(trial: &mut Trial, value: f64) {
     let scene = &mut trial.scene;
     let mut dice = own_dice(scene);
     let across = target.axis.direction.cross(&Vec3::x()).normalize();
+    let left = (1.0 - 0.01 * value) * Limbs::of(scene).pieces() as f64;
     for _ in 0..400 {
-        if 1.0 - share_seen(scene) >= 0.01 * value {
+        if Limbs::of(scene).pieces() as f64 <= left {
             return;
         }
         let radius_m = dice.within(0.5, 1.5) * target.radius_m;

@@ -90,6 +90,15 @@ pub struct Ball {
     pub colour: [f64; 3],
 }
 
+/// A ball as an eye sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Disc {
+    pub centre_px: Pixel,
+    pub radius_px: f64,
+    pub range_m: f64,
+    pub colour: [f64; 3],
+}
+
 /// What to paint.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -194,10 +203,9 @@ impl Scene {
         self.ambient > 0.0 || !self.lamps.is_empty()
     }
 
-    /// Light that comes down a ray of an eye, before lens and noise; `None` where a ball is before it or outside what is painted.
-    pub fn light(&self, eye: Eye, u: f64, v: f64) -> Option<[f64; 3]> {
-        let mounted = self.rig.eye(eye);
-        let i = mounted.camera.intrinsics();
+    /// Light that comes down a ray of an eye, before balls, lens and noise, and from how far, m; `None` outside what is painted.
+    pub fn light(&self, eye: Eye, u: f64, v: f64) -> Option<([f64; 3], f64)> {
+        let i = *self.rig.eye(eye).camera.intrinsics();
         let painted = self.only[eye as usize].unwrap_or(Roi {
             x_px: 0,
             y_px: 0,
@@ -212,29 +220,33 @@ impl Scene {
         {
             return None;
         }
-        let hit = self.hit(eye, u, v);
-        let range_m = hit.as_ref().map_or(f64::INFINITY, |hit| hit.range_m);
-        let to_camera = mounted.rig_from_camera.inverse();
-        let is_hidden = self.balls.iter().any(|ball| {
-            let seen = to_camera.point(&ball.centre_m);
-            let Some(at) = mounted.project(&ball.centre_m).filter(|_| seen.z > 0.05) else {
-                return false;
-            };
-            let radius_px = i.fx_px * ball.radius_m / seen.z;
-            range_m > seen.norm() && libm::hypot(u - at.x, v - at.y) < radius_px + 0.5
-        });
-        if is_hidden {
-            return None;
+        if let Some(hit) = self.hit(eye, u, v) {
+            return Some((hit.colour, hit.range_m));
         }
-        Some(hit.map_or_else(
-            || {
-                let x = (u - 0.5) / f64::from(i.width_px) - 0.5;
-                let y = (v - 0.5) / f64::from(i.height_px) - 0.5;
-                let [a, b] = self.background_slope;
-                self.background.map(|v| v * (1.0 + a * x + b * y).max(0.0))
-            },
-            |hit| hit.colour,
-        ))
+        let x = (u - 0.5) / f64::from(i.width_px) - 0.5;
+        let y = (v - 0.5) / f64::from(i.height_px) - 0.5;
+        let [a, b] = self.background_slope;
+        let slope = (1.0 + a * x + b * y).max(0.0);
+        Some((self.background.map(|v| v * slope), f64::INFINITY))
+    }
+
+    /// The balls as an eye sees them.
+    pub fn discs(&self, eye: Eye) -> Vec<Disc> {
+        let mounted = self.rig.eye(eye);
+        let to_camera = mounted.rig_from_camera.inverse();
+        self.balls
+            .iter()
+            .filter_map(|ball| {
+                let seen = to_camera.point(&ball.centre_m);
+                let centre_px = mounted.project(&ball.centre_m).filter(|_| seen.z > 0.05)?;
+                Some(Disc {
+                    centre_px,
+                    radius_px: mounted.camera.intrinsics().fx_px * ball.radius_m / seen.z,
+                    range_m: seen.norm(),
+                    colour: ball.colour,
+                })
+            })
+            .collect()
     }
 
     /// What is stored of light before noise and rounding, 0…1; the first `channels` of them.
@@ -411,10 +423,11 @@ impl Scene {
             blur(&mut light, width, [&columns, &rows], self.blur_px);
         }
         let mut random = Random::new(self.seed ^ if eye == Eye::Left { 0 } else { 0x5555_1234 });
-        let mut values = Vec::with_capacity(light.len() * self.channels as usize);
+        let most = if self.bits == 8 { 255.0 } else { 65535.0 };
+        let mut values: Vec<u16> = Vec::with_capacity(light.len() * self.channels as usize);
         for (at, light) in light.into_iter().enumerate() {
             if !(columns.contains(&(at % width)) && rows.contains(&(at / width))) {
-                values.extend(core::iter::repeat_n(0.0, self.channels.into()));
+                values.extend(core::iter::repeat_n(0, self.channels.into()));
                 continue;
             }
             for value in &self.stored(light)[..self.channels as usize] {
@@ -423,13 +436,13 @@ impl Scene {
                 } else {
                     0.0
                 };
-                values.push((value + noise).clamp(0.0, 1.0));
+                values.push(((value + noise).clamp(0.0, 1.0) * most + 0.5) as u16);
             }
         }
         let samples = if self.bits == 8 {
-            Samples::U8(values.iter().map(|v| (v * 255.0 + 0.5) as u8).collect())
+            Samples::U8(values.iter().map(|v| *v as u8).collect())
         } else {
-            Samples::U16(values.iter().map(|v| (v * 65535.0 + 0.5) as u16).collect())
+            Samples::U16(values)
         };
         Image::new(i.width_px, i.height_px, self.channels, samples)
             .expect("as many samples as pixels")
@@ -437,23 +450,18 @@ impl Scene {
 
     /// Balls before what is farther, their borders a pixel wide.
     fn add_balls(&self, eye: Eye, light: &mut [[f64; 3]], range_m: &[f64], width: usize) {
-        let mounted = self.rig.eye(eye);
         let height = light.len() / width;
-        for ball in &self.balls {
-            let seen = mounted.rig_from_camera.inverse().point(&ball.centre_m);
-            let Some(at) = mounted.project(&ball.centre_m).filter(|_| seen.z > 0.05) else {
-                continue;
-            };
-            let radius_px = mounted.camera.intrinsics().fx_px * ball.radius_m / seen.z;
-            let reach = radius_px + 1.0;
+        for disc in self.discs(eye) {
+            let at = disc.centre_px;
+            let reach = disc.radius_px + 1.0;
             let clip = |v: f64, most: usize| v.clamp(0.0, most as f64) as usize;
             for y in clip((at.y - reach).floor(), height)..clip((at.y + reach).ceil(), height) {
                 for x in clip((at.x - reach).floor(), width)..clip((at.x + reach).ceil(), width) {
                     let off = libm::hypot(x as f64 + 0.5 - at.x, y as f64 + 0.5 - at.y);
-                    let share = (radius_px - off + 0.5).clamp(0.0, 1.0);
+                    let share = (disc.radius_px - off + 0.5).clamp(0.0, 1.0);
                     let place = y * width + x;
-                    if share > 0.0 && range_m[place] > seen.norm() {
-                        for (value, ball) in light[place].iter_mut().zip(ball.colour) {
+                    if share > 0.0 && range_m[place] > disc.range_m {
+                        for (value, ball) in light[place].iter_mut().zip(disc.colour) {
                             *value += share * (ball - *value);
                         }
                     }
@@ -480,24 +488,40 @@ fn blur(light: &mut [[f64; 3]], width: usize, only: [&Range<usize>; 2], sigma_px
     let [columns, rows] = only;
     // Across first, of all rows that blurring down will ask for.
     let reach = rows.start.saturating_sub(half)..(rows.end + half).min(height);
-    for (along, step, rows) in [(width, 1, &reach), (height, width, rows)] {
-        let before = light.to_vec();
-        for y in rows.clone() {
-            for x in columns.clone() {
-                let at = y * width + x;
-                let place = (at / step) % along;
-                let mut sum = [0.0; 3];
-                for (k, weight) in kernel.iter().enumerate() {
-                    let there = (place + k).saturating_sub(half).min(along - 1);
-                    let from = &before[at + there * step - place * step];
-                    for (sum, value) in sum.iter_mut().zip(from) {
-                        *sum += weight * value;
-                    }
-                }
-                light[at] = sum;
-            }
+    let mut across = Vec::with_capacity(reach.len() * columns.len());
+    for y in reach.clone() {
+        let row = &light[y * width..(y + 1) * width];
+        across.extend(
+            columns
+                .clone()
+                .map(|x| weighed(&kernel, x, width, |x| row[x])),
+        );
+    }
+    for y in rows.clone() {
+        for (column, x) in columns.clone().enumerate() {
+            light[y * width + x] = weighed(&kernel, y, height, |y| {
+                across[(y - reach.start) * columns.len() + column]
+            });
         }
     }
+}
+
+/// The mean of the values around a place, by the weights of a kernel.
+fn weighed(
+    kernel: &[f64],
+    place: usize,
+    along: usize,
+    value: impl Fn(usize) -> [f64; 3],
+) -> [f64; 3] {
+    let half = kernel.len() / 2;
+    let mut sum = [0.0; 3];
+    for (k, weight) in kernel.iter().enumerate() {
+        let there = (place + k).saturating_sub(half).min(along - 1);
+        for (sum, value) in sum.iter_mut().zip(value(there)) {
+            *sum += weight * value;
+        }
+    }
+    sum
 }
 
 /// Linear light to sRGB (IEC 61966-2-1).
