@@ -6,9 +6,9 @@ use rodsight_geometry::{Eye, PaperGrasp, Vec3, angle_between, surface_foot};
 use super::climb::Fit;
 use super::judge::Judgement;
 use super::limbs::Limb;
+use super::refine::{Located, MOST_MISS_RADII, is_enough};
 use super::refusal::Refusal;
 use super::state::{RADIUS, ROD, State};
-use super::{Located, MOST_MISS_RADII, is_enough};
 use crate::{AxisEstimate, Centerlines, Estimate, GraspEstimate, Request};
 
 /// Where a depth is worth nothing.

@@ -3,7 +3,6 @@
 use rodsight_geometry::{MountedCamera, Pixel, Side, Vec3};
 
 use super::light::Light;
-use super::noise;
 use super::state::State;
 
 /// Pixels to either side of a limb that are looked at.
@@ -14,6 +13,8 @@ pub(crate) const INSIDE_PX: f64 = 5.0;
 const SOFT_REACH: f64 = 3.5;
 /// Rows that share their shading.
 const BLOCK_ROWS: usize = 24;
+/// Of a row, or it says nothing.
+const LEAST_PIXELS: usize = 4;
 
 /// A ray in the rig frame.
 #[derive(Clone, Copy, Debug)]
@@ -22,76 +23,59 @@ pub(crate) struct Ray {
     pub(crate) direction: Vec3,
 }
 
-/// The pixels of a row around one limb.
+/// The pixels of rows around one limb.
 #[derive(Clone, Debug)]
-pub(crate) struct Cut {
-    /// The first pixel's centre from the cut's middle, px.
-    pub(crate) first_px: f64,
-    pub(crate) values: Vec<f64>,
-    /// One over the variance of each.
-    pub(crate) weights: Vec<f64>,
-    /// What they cost as a slope of light without a limb.
-    pub(crate) without: f64,
+pub(crate) struct Rows {
+    /// Of each row its first pixel's centre from the limb, px, and where its values begin.
+    rows: Vec<(f64, usize)>,
+    values: Vec<f64>,
     /// Where the rod is from the limb: 1 towards larger places, −1 towards smaller ones.
     pub(crate) inwards: f64,
-    /// Its middle from the principal point, across and along, px.
+    /// The limb in the middle row from the principal point, across and along, px.
     pub(crate) from_centre_px: [f64; 2],
-    /// Through the row at −`REACH_PX`, 0 and `REACH_PX` from the middle, and beside the middle a row up and a row down.
+    /// Through the middle row at −`REACH_PX`, 0 and `REACH_PX` from the limb, and beside the limb a row up and a row down.
     pub(crate) rays: [Ray; 5],
 }
 
-/// A row of the image, or a column.
+impl Rows {
+    /// Of each row its first pixel's centre from the limb, px, and its values.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (f64, &[f64])> {
+        let ends = self.rows.iter().skip(1).map(|row| row.1);
+        let ends = ends.chain([self.values.len()]);
+        let rows = self.rows.iter().zip(ends);
+        rows.map(|((first_px, from), to)| (*first_px, &self.values[*from..to]))
+    }
+
+    /// Where pixels are from the limb, px, and their values.
+    pub(crate) fn pixels(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.iter().flat_map(|(first_px, values)| {
+            let places = (0..values.len()).map(move |k| first_px + k as f64);
+            places.zip(values.iter().copied())
+        })
+    }
+
+    /// The mean light from one distance inside the limb to another, px.
+    pub(crate) fn mean(&self, from_px: f64, to_px: f64) -> Option<f64> {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (place_px, value) in self.pixels() {
+            if (from_px..to_px).contains(&(self.inwards * place_px)) {
+                sum += value;
+                count += 1.0;
+            }
+        }
+        (count > 0.0).then(|| sum / count)
+    }
+}
+
+/// Neighbouring rows of the image, or columns, that share their shading.
 #[derive(Clone, Debug)]
-pub(crate) struct Row {
+pub(crate) struct Stretch {
     /// Place along the limbs, from −1 to 1.
     pub(crate) along: f64,
-    /// Around the limbs plus and minus.
-    pub(crate) cuts: [Option<Cut>; 2],
-    pub(crate) weight: f64,
-}
-
-/// Rows that share their shading.
-#[derive(Clone, Debug)]
-pub(crate) struct Block {
-    pub(crate) eye: usize,
-    pub(crate) rows: Vec<Row>,
-    /// Half of the length from −1 to 1 along the limbs, px.
+    /// Half of the length from −1 to 1, px.
     pub(crate) half_px: f64,
-    /// By how much light rises inside the limbs plus and minus.
-    pub(crate) rise: [f64; 2],
-}
-
-impl Block {
-    fn new(eye: usize, half_px: f64, rows: Vec<Row>) -> Self {
-        let rise = [0, 1].map(|side| {
-            let mean = |from_px: f64, to_px: f64| {
-                let (mut sum, mut count) = (0.0, 0.0);
-                for cut in rows.iter().filter_map(|row| row.cuts[side].as_ref()) {
-                    for (k, value) in cut.values.iter().enumerate() {
-                        let inside_px = cut.inwards * (cut.first_px + k as f64);
-                        if (from_px..to_px).contains(&inside_px) {
-                            sum += value;
-                            count += 1.0;
-                        }
-                    }
-                }
-                (count > 0.0).then(|| sum / count)
-            };
-            let rise = mean(3.0, INSIDE_PX).zip(mean(0.7, 1.7));
-            rise.map_or(0.0, |(deep, shallow)| (deep - shallow).max(0.0))
-        });
-        Self {
-            eye,
-            rows,
-            half_px,
-            rise,
-        }
-    }
-
-    /// Whether a limb is looked at.
-    pub(crate) fn sees(&self, side: usize) -> bool {
-        self.rows.iter().any(|row| row.cuts[side].is_some())
-    }
+    /// Around the limbs plus and minus.
+    pub(crate) limbs: [Option<Rows>; 2],
 }
 
 /// The limbs as an eye's image is scanned.
@@ -120,14 +104,8 @@ impl Scan<'_> {
         })
     }
 
-    /// The pixels of a row from one place to another, both within the region.
-    fn cut(
-        &self,
-        row: usize,
-        axis: &[f64],
-        [from, middle, to]: [f64; 3],
-        inwards: f64,
-    ) -> Option<Cut> {
+    /// Appends the pixels of a row from one place to another, as far as they are within the region.
+    fn append(&self, rows: &mut Rows, row: usize, axis: &[f64], [from, limb, to]: [f64; 3]) {
         let roi = &self.light.roi;
         let (start, length, line) = if self.by_columns {
             (roi.y_px, self.light.height, row - roi.x_px as usize)
@@ -137,38 +115,40 @@ impl Scan<'_> {
         let start = f64::from(start);
         let first = ((from - start).ceil().max(0.0)) as usize;
         let last = (to - start).floor().min(length as f64);
-        if !(last > first as f64) {
-            return None;
+        if !(last >= (first + LEAST_PIXELS) as f64) {
+            return;
         }
-        let last = last as usize;
-        let values = (first..last).map(|k| {
+        let first_px = start + first as f64 + 0.5 - limb;
+        rows.rows.push((first_px, rows.values.len()));
+        rows.values.extend((first..last as usize).map(|k| {
             let (column, row) = if self.by_columns {
                 (line, k)
             } else {
                 (k, line)
             };
             self.light.along(axis, column, row)
-        });
-        let along = row as f64 + 0.5;
+        }));
+    }
+
+    /// No rows around a limb that is seen at a place across and along.
+    fn none(&self, limb: f64, along: f64, inwards: f64) -> Option<Rows> {
         let i = self.mounted.camera.intrinsics();
         let centre_px = if self.by_columns {
             [i.cy_px, i.cx_px]
         } else {
             [i.cx_px, i.cy_px]
         };
-        Some(Cut {
-            first_px: start + first as f64 + 0.5 - middle,
-            values: values.collect(),
-            weights: Vec::new(),
-            without: 0.0,
-            from_centre_px: [middle - centre_px[0], along - centre_px[1]],
+        Some(Rows {
+            rows: Vec::new(),
+            values: Vec::new(),
             inwards,
+            from_centre_px: [limb - centre_px[0], along - centre_px[1]],
             rays: [
-                self.ray(middle - REACH_PX, along)?,
-                self.ray(middle, along)?,
-                self.ray(middle + REACH_PX, along)?,
-                self.ray(middle, along - 1.0)?,
-                self.ray(middle, along + 1.0)?,
+                self.ray(limb - REACH_PX, along)?,
+                self.ray(limb, along)?,
+                self.ray(limb + REACH_PX, along)?,
+                self.ray(limb, along - 1.0)?,
+                self.ray(limb, along + 1.0)?,
             ],
         })
     }
@@ -182,18 +162,17 @@ struct LimbLine {
     slope: f64,
 }
 
-/// The blocks of an eye around where a rod's limbs are seen, of every so many-th row.
-pub(crate) fn blocks(
-    eye: usize,
+/// The stretches of an eye around where a rod's limbs are seen, of every so many-th row.
+pub(crate) fn stretches(
     mounted: &MountedCamera,
     light: &Light<'_>,
     axes: &[[f64; 3]; 2],
     rod: &State,
+    blur_px2: f64,
     stride: usize,
-) -> Option<Vec<Block>> {
-    let block_rows = BLOCK_ROWS / stride;
+) -> Option<Vec<Stretch>> {
     // A softer lens spreads a limb wider.
-    let softness_px = SOFT_REACH * rod.blur_px2[eye].sqrt();
+    let softness_px = SOFT_REACH * blur_px2.sqrt();
     let (inside_px, outside_px) = (INSIDE_PX.max(softness_px), REACH_PX.max(softness_px + 2.0));
     let middle = limb_pixels(mounted, rod, 0.0)?;
     let step = limb_pixels(mounted, rod, 0.02 * distance_m(mounted, rod))?;
@@ -211,67 +190,69 @@ pub(crate) fn blocks(
     } else {
         (roi.y_px as usize, light.height)
     };
-    let mut limbs: Vec<[LimbLine; 2]> = Vec::new();
     // Limbs are straight lines but behind lenses that bend them: short straight pieces stand for them.
     let pieces = limb_pieces(mounted, rod, across, along, first_row, rows);
-    for pair in pieces.windows(2) {
-        let line = |k: usize| LimbLine {
-            from: pair[0][k][1],
-            at: pair[0][k][0],
-            slope: (pair[1][k][0] - pair[0][k][0]) / (pair[1][k][1] - pair[0][k][1]),
+    let line = |pair: &[[[f64; 2]; 2]], k: usize| LimbLine {
+        from: pair[0][k][1],
+        at: pair[0][k][0],
+        slope: (pair[1][k][0] - pair[0][k][0]) / (pair[1][k][1] - pair[0][k][1]),
+    };
+    let lines: Vec<[LimbLine; 2]> = pieces
+        .windows(2)
+        .map(|pair| [line(pair, 0), line(pair, 1)])
+        .collect();
+    // Of both limbs at a row.
+    let limbs = |along: f64| -> Option<[f64; 2]> {
+        let at = |k: usize| {
+            let before = lines.iter().rev().find(|piece| along >= piece[k].from);
+            let line = &before.or(lines.first())?[k];
+            Some(line.at + line.slope * (along - line.from))
         };
-        limbs.push([line(0), line(1)]);
-    }
+        Some([at(0)?, at(1)?])
+    };
     let half = 0.5 * rows as f64;
+    let last_row = first_row + rows;
     let mut found = Vec::new();
-    let mut block = Vec::with_capacity(block_rows);
-    for row in (first_row..first_row + rows).step_by(stride) {
-        let along = row as f64 + 0.5;
-        let at = |k: usize| -> Option<f64> {
-            let piece = limbs.iter().rev().find(|piece| {
-                let p = &piece[k];
-                (along - p.from) >= 0.0
-            });
-            let p = &piece.or(limbs.first())?[k];
-            Some(p.at + p.slope * (along - p.from))
-        };
-        let (Some(plus), Some(minus)) = (at(0), at(1)) else {
-            continue;
-        };
-        let between = 0.5 * (plus + minus);
-        let cut = |here: f64, axis: &[f64; 3]| {
-            let (from, to, inwards) = if here > between {
-                ((here - inside_px).max(between), here + outside_px, -1.0)
-            } else {
-                (here - outside_px, (here + inside_px).min(between), 1.0)
-            };
-            scan.cut(row, &axis[..light.channels()], [from, here, to], inwards)
-                .filter(|cut| cut.values.len() >= 4)
-        };
-        let cuts = [cut(plus, &axes[0]), cut(minus, &axes[1])];
-        if cuts.iter().all(Option::is_none) {
+    for from in (first_row..last_row).step_by(BLOCK_ROWS) {
+        let to = (from + BLOCK_ROWS).min(last_row);
+        if to - from < BLOCK_ROWS / 3 {
             continue;
         }
-        block.push(Row {
+        let along = 0.5 * (from + to) as f64;
+        let Some(middle) = limbs(along) else {
+            continue;
+        };
+        let mut stretch = Stretch {
             along: (along - first_row as f64 - half) / half,
-            cuts,
-            weight: 1.0,
-        });
-        if block.len() == block_rows {
-            found.push(Block::new(eye, half, core::mem::take(&mut block)));
+            half_px: half,
+            limbs: [None, None],
+        };
+        for (side, limb) in stretch.limbs.iter_mut().enumerate() {
+            let (here, there) = (middle[side], middle[1 - side]);
+            let is_upper = here > there;
+            let inwards = if is_upper { -1.0 } else { 1.0 };
+            let Some(mut all) = scan.none(here, along, inwards) else {
+                continue;
+            };
+            for row in (from..to).step_by(stride) {
+                let Some(places) = limbs(row as f64 + 0.5) else {
+                    continue;
+                };
+                let here = places[side];
+                let between = 0.5 * (places[0] + places[1]);
+                let window = if is_upper {
+                    [(here - inside_px).max(between), here, here + outside_px]
+                } else {
+                    [here - outside_px, here, (here + inside_px).min(between)]
+                };
+                scan.append(&mut all, row, &axes[side][..light.channels()], window);
+            }
+            *limb = (!all.rows.is_empty()).then_some(all);
+        }
+        if stretch.limbs.iter().any(Option::is_some) {
+            found.push(stretch);
         }
     }
-    if block.len() >= block_rows / 3 {
-        found.push(Block::new(eye, half, block));
-    }
-    // Noise is more of a nuisance than what smoothing hides.
-    let rises: Vec<[f64; 2]> = found.iter().map(|block| block.rise).collect();
-    for (k, block) in found.iter_mut().enumerate() {
-        let near = &rises[k.saturating_sub(1)..(k + 2).min(rises.len())];
-        block.rise =
-            [0, 1].map(|side| near.iter().map(|rise| rise[side]).sum::<f64>() / near.len() as f64);
-    }
-    noise::weigh(&mut found);
     Some(found)
 }
 

@@ -2,23 +2,23 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::bands::Block;
-use super::fit::{Shades, Sums, sums};
+use super::fit::{Shades, Sums, moved_px, sums};
+use super::pool::{Block, trust, usual};
 use super::state::{BEND, RADIUS, ROD, State, UNKNOWNS, of_shadow};
 
 /// Steps at most.
 const STEPS: usize = 40;
 /// A step is done when it moves the limbs less than this, in standard deviations.
 const ENOUGH: f64 = 0.05;
+/// Or less than this, px: no image is so sharp.
+const STILL_PX: f64 = 0.001;
 /// Nor is one worth taking that gains less likelihood.
-const GAIN: f64 = 0.1;
+pub(crate) const GAIN: f64 = 0.1;
 /// Who gains less than this by the last so many steps is there.
 const CREEPS: usize = 12;
 const CREPT: f64 = 4.0;
 /// Damped more, a step says nothing about how far it is.
 const MOST_DAMPING: f64 = 0.1;
-/// Rows whose squares are this many times the usual ones weigh less.
-const ROW_LIMIT: f64 = 2.0;
 
 /// What is known of the radius, m.
 #[derive(Clone, Copy, Debug)]
@@ -64,16 +64,25 @@ impl Fit {
     }
 }
 
-/// Climbs by Gauss and Newton with Levenberg's and Marquardt's damping.
-pub(crate) fn climb(start: &State, blocks: &mut [Block], prior: Option<Prior>) -> Option<Fit> {
+/// Climbs by Gauss and Newton with Levenberg's and Marquardt's damping, from a state and its shading, if that is known.
+pub(crate) fn climb(
+    start: &State,
+    shaded: Option<Vec<Shades>>,
+    blocks: &mut [Block],
+    prior: Option<Prior>,
+    enough: f64,
+) -> Option<Fit> {
     let mut state = *start;
-    let mut shades = vec![Shades::zeros(); blocks.len()];
-    // Shading first: with none all derivatives are zero.
-    let first = sums(&state, blocks, &shades);
-    for (shades, (shift, _)) in shades.iter_mut().zip(&first.shading) {
-        *shades += shift;
-    }
-    let mut damping = 1e-3;
+    let mut shades = shaded.unwrap_or_else(|| {
+        // Shading first: with none all derivatives are zero.
+        let dark = vec![Shades::zeros(); blocks.len()];
+        let first = sums(&state, blocks, &dark);
+        let blocks = first.blocks.iter();
+        blocks
+            .map(|block| block.shaded(&SVector::zeros()))
+            .collect()
+    });
+    let (mut damping, mut harder) = (1e-3, 2.0);
     let mut here = sums(&state, blocks, &shades);
     let mut taken = 0;
     let mut converged = false;
@@ -84,24 +93,21 @@ pub(crate) fn climb(start: &State, blocks: &mut [Block], prior: Option<Prior>) -
         let (mut normal, mut score) = (here.normal, here.score);
         add_prior(&mut normal, &mut score, &state, prior);
         add_shadows(&mut normal, &mut score, &state);
+        let undamped = normal;
+        // By how much a step without damping would be likelier, as far as slopes tell.
+        let free = bounded(&state, &normal, &score)?;
+        if taken > 2 && foreseen(&normal, &score, &free) < enough {
+            converged = true;
+            break;
+        }
         for k in 0..UNKNOWNS {
             normal[(k, k)] += damping * normal[(k, k)] + f64::MIN_POSITIVE;
         }
-        for (k, _) in state
-            .held(&score)
-            .iter()
-            .enumerate()
-            .filter(|(_, held)| **held)
-        {
-            normal.row_mut(k).fill(0.0);
-            normal.column_mut(k).fill(0.0);
-            (normal[(k, k)], score[k]) = (1.0, 0.0);
-        }
-        let step = state.taken(&solve(&normal, &score)?);
+        let step = bounded(&state, &normal, &score)?;
         let next = state.moved(&step);
         let mut next_shades = shades.clone();
-        for (shades, (shift, by)) in next_shades.iter_mut().zip(&here.shading) {
-            *shades += shift - by * step;
+        for (shades, block) in next_shades.iter_mut().zip(&here.blocks) {
+            *shades += block.shaded(&step);
         }
         let there = sums(&next, blocks, &next_shades);
         let cost =
@@ -111,15 +117,20 @@ pub(crate) fn climb(start: &State, blocks: &mut [Block], prior: Option<Prior>) -
         let size2 = (step.transpose() * here.normal * step)[(0, 0)];
         if better {
             let gained = cost(&here, &state) - cost(&there, &next);
+            let is_still = size2 < ENOUGH * ENOUGH || moved_px(blocks, &state, &next) < STILL_PX;
             (state, shades, here) = (next, next_shades, there);
-            damping = (0.2 * damping).max(1e-9);
+            // By how well the step's gain was foreseen (Nielsen 1999).
+            let foreseen = foreseen(&undamped, &score, &step).max(f64::MIN_POSITIVE);
+            let off = 2.0 * gained / foreseen - 1.0;
+            damping = (damping * (1.0 - off * off * off).clamp(0.1, 1.0)).max(1e-9);
+            harder = 2.0;
             let is_free = damping < MOST_DAMPING;
-            if taken > 2 && is_free && (size2 < ENOUGH * ENOUGH || gained.abs() < GAIN) {
+            if taken > 2 && is_free && (is_still || gained.abs() < enough) {
                 converged = true;
                 break;
             }
             if taken == 2 {
-                weigh_rows(blocks, &here);
+                weigh_cuts(blocks, &here);
                 here = sums(&state, blocks, &shades);
             }
         } else {
@@ -127,7 +138,8 @@ pub(crate) fn climb(start: &State, blocks: &mut [Block], prior: Option<Prior>) -
                 converged = true;
                 break;
             }
-            damping = (8.0 * damping).max(1e-6);
+            damping = (harder * damping).max(1e-6);
+            harder *= 2.0;
             if damping > 1e6 {
                 break;
             }
@@ -135,9 +147,11 @@ pub(crate) fn climb(start: &State, blocks: &mut [Block], prior: Option<Prior>) -
     }
     // What creeps is as good as there.
     converged |= taken == STEPS && costs[STEPS - CREEPS] - here.cost < CREPT;
-    let rows = || blocks.iter().flat_map(|block| &block.rows);
-    let kept = rows().filter(|row| row.weight > 0.5).count();
-    let rows_kept = kept as f64 / rows().count().max(1) as f64;
+    let cuts = || blocks.iter().flat_map(|block| block.cuts.iter().flatten());
+    let kept = cuts().filter(|cut| cut.weight > 0.5);
+    let kept: usize = kept.map(|cut| cut.rows_kept).sum();
+    let rows: usize = cuts().map(|cut| cut.rows).sum();
+    let rows_kept = kept as f64 / rows.max(1) as f64;
     Some(Fit {
         rows_kept,
         state,
@@ -145,6 +159,56 @@ pub(crate) fn climb(start: &State, blocks: &mut [Block], prior: Option<Prior>) -
         sums: here,
         converged,
     })
+}
+
+/// The step to the best of what the state may be: what would go beyond ends there, and the others step as is best then.
+fn bounded(
+    state: &State,
+    normal: &SMatrix<f64, UNKNOWNS, UNKNOWNS>,
+    score: &SVector<f64, UNKNOWNS>,
+) -> Option<SVector<f64, UNKNOWNS>> {
+    let [least, most] = state.bounds();
+    let mut held = [None; UNKNOWNS];
+    loop {
+        let (mut normal, mut right) = (*normal, *score);
+        for (k, held) in held.iter().enumerate() {
+            if let Some(by) = held {
+                right -= normal.column(k) * *by;
+            }
+        }
+        for (k, held) in held.iter().enumerate() {
+            if let Some(by) = held {
+                normal.row_mut(k).fill(0.0);
+                normal.column_mut(k).fill(0.0);
+                (normal[(k, k)], right[k]) = (1.0, *by);
+            }
+        }
+        let step = solve(&normal, &right)?;
+        let mut is_within = true;
+        for (k, held) in held
+            .iter_mut()
+            .enumerate()
+            .filter(|(_, held)| held.is_none())
+        {
+            let end = step[k].clamp(least[k], most[k]);
+            if end != step[k] {
+                *held = Some(end);
+                is_within = false;
+            }
+        }
+        if is_within {
+            return Some(step);
+        }
+    }
+}
+
+/// By how much likelier a step is as far as slopes tell.
+fn foreseen(
+    normal: &SMatrix<f64, UNKNOWNS, UNKNOWNS>,
+    score: &SVector<f64, UNKNOWNS>,
+    step: &SVector<f64, UNKNOWNS>,
+) -> f64 {
+    step.dot(score) - 0.5 * step.dot(&(normal * step))
 }
 
 fn prior_cost(state: &State, prior: Option<Prior>) -> f64 {
@@ -209,22 +273,18 @@ fn solve(
     step.iter().all(|v| v.is_finite()).then_some(step)
 }
 
-/// Rows that something hides say less.
-fn weigh_rows(blocks: &mut [Block], here: &Sums) {
-    let mut all: Vec<f64> = here.rows.iter().flatten().copied().collect();
-    if all.is_empty() {
-        return;
-    }
-    let middle = all.len() / 2;
-    let usual = (*all.select_nth_unstable_by(middle, f64::total_cmp).1).max(1.0);
-    for (block, rows) in blocks.iter_mut().zip(&here.rows) {
-        for (row, squares) in block.rows.iter_mut().zip(rows) {
-            let times = squares / usual;
-            row.weight = if times > ROW_LIMIT {
-                (ROW_LIMIT / times) * (ROW_LIMIT / times)
-            } else {
-                1.0
-            };
+/// Limbs of blocks that something hides say less.
+fn weigh_cuts(blocks: &mut [Block], here: &Sums) {
+    let mut all: Vec<f64> = here.squares.iter().flatten().flatten().copied().collect();
+    let usual = usual(&mut all);
+    for (block, squares) in blocks.iter_mut().zip(&here.squares) {
+        for (cut, squares) in block
+            .cuts
+            .iter_mut()
+            .flatten()
+            .zip(squares.iter().flatten())
+        {
+            cut.weight = trust(squares / usual);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use rodsight_geometry::{Band, MountedCamera};
 
-use super::bands::blocks;
+use super::bands::{Rows, stretches};
 use super::light::Light;
 use super::noise;
 use super::state::State;
@@ -20,12 +20,7 @@ pub(crate) struct View {
 
 /// Fisher's discriminant of each limb, with channels taken for independent. Behind a port that parts the bands only that of one band is
 /// at one place: the band that steps most.
-pub(crate) fn view(
-    eye: usize,
-    mounted: &MountedCamera,
-    light: &Light<'_>,
-    rod: &State,
-) -> Option<View> {
+pub(crate) fn view(mounted: &MountedCamera, light: &Light<'_>, rod: &State) -> Option<View> {
     let channels = light.channels();
     let mut found = [[0.0; 3]; 2];
     let mut worth = [0.0; 3];
@@ -39,34 +34,22 @@ pub(crate) fn view(
     for channel in 0..channels {
         let mut unit = [0.0; 3];
         unit[channel] = 1.0;
-        let blocks = blocks(eye, &in_band(channel), light, &[unit; 2], rod, STRIDE)?;
+        let mounted = in_band(channel);
+        let stretches = stretches(&mounted, light, &[unit; 2], rod, 0.0, STRIDE)?;
         for (side, axis) in found.iter_mut().enumerate() {
-            let cuts = || {
-                let rows = blocks.iter().flat_map(|block| &block.rows);
-                rows.filter_map(|row| row.cuts[side].as_ref())
+            let rows = || {
+                stretches
+                    .iter()
+                    .filter_map(|stretch| stretch.limbs[side].as_ref())
             };
-            let mut steps: Vec<f64> = cuts()
-                .filter_map(|cut| {
-                    let mean = |from_px: f64, to_px: f64| {
-                        let (mut sum, mut count) = (0.0, 0.0);
-                        for (k, value) in cut.values.iter().enumerate() {
-                            let inside_px = cut.inwards * (cut.first_px + k as f64);
-                            if (from_px..to_px).contains(&inside_px) {
-                                sum += value;
-                                count += 1.0;
-                            }
-                        }
-                        (count > 0.0).then(|| sum / count)
-                    };
-                    Some(mean(0.7, 3.0)? - mean(-5.0, -1.0)?)
-                })
-                .collect();
+            let step = |rows: &Rows| Some(rows.mean(0.7, 3.0)? - rows.mean(-5.0, -1.0)?);
+            let mut steps: Vec<f64> = rows().filter_map(step).collect();
             if steps.is_empty() {
                 continue;
             }
             let middle = steps.len() / 2;
             let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-            axis[channel] = *median / noise::typical(cuts());
+            axis[channel] = *median / noise::typical(rows());
             worth[channel] += *median * axis[channel];
         }
     }

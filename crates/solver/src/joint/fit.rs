@@ -8,7 +8,8 @@ use nalgebra::{SMatrix, SVector};
 
 use rodsight_geometry::Line3;
 
-use super::bands::{Block, Cut, REACH_PX, Ray, Row};
+use super::bands::{REACH_PX, Ray};
+use super::pool::{Block, Cut};
 use super::shade::{BY_BLUR, BY_FAR, BY_NEAR, KNOWN, OF_FAR, OF_SHADOW, PixelModel, Shading};
 use super::spread::Spread;
 use super::state::{RADIUS, ROD, State, UNKNOWNS, of_shadow};
@@ -17,17 +18,16 @@ use super::state::{RADIUS, ROD, State, UNKNOWNS, of_shadow};
 pub(crate) const SHADES: usize = 10;
 /// Shift, turn and bow of each limb of each eye.
 pub(crate) const EDGES: usize = 12;
-/// Of a block: shading, rod, and of its eye the blur, the shadows and the edges.
-const SHADOWS: usize = SHADES + ROD + 1;
-const LIMBS: usize = SHADOWS + 4;
-const LOCAL: usize = LIMBS + EDGES / 2;
+/// What else a block sees: how its limbs shift, px, the blur, and of each limb the amount and the angle of a shadow.
+const SEEN: usize = 7;
+const BLUR: usize = 2;
+const SHADOWS: usize = 3;
+const LOCAL: usize = SHADES + SEEN;
 
 pub(crate) type Shades = SVector<f64, SHADES>;
 type Local = SMatrix<f64, LOCAL, LOCAL>;
 type LocalVector = SVector<f64, LOCAL>;
-
-/// Residuals beyond so many standard deviations weigh less.
-pub(crate) const HUBER: f64 = 3.0;
+type ByUnknowns = SMatrix<f64, SEEN, UNKNOWNS>;
 
 /// h of a ray and how it changes with the rod's two shifts, two turns and two bends.
 fn distance(state: &State, ray: &Ray) -> (f64, [f64; 6]) {
@@ -99,6 +99,18 @@ impl Crossing {
     }
 }
 
+/// By how many pixels limbs differ at most.
+pub(crate) fn moved_px(blocks: &[Block], from: &State, to: &State) -> f64 {
+    let thicker_m = (to.cylinder.radius_m - from.cylinder.radius_m).abs();
+    let cuts = blocks.iter().flat_map(|block| block.cuts.iter().flatten());
+    let moved = cuts.map(|cut| {
+        let here = Crossing::new(from, cut);
+        let there_m = distance(to, &cut.rays[1]).0;
+        ((there_m - here.h[0]).abs() + thicker_m) / here.per_px
+    });
+    moved.fold(0.0, f64::max)
+}
+
 /// All that the pixels say about a state, shading eliminated.
 #[derive(Clone, Debug)]
 pub(crate) struct Sums {
@@ -108,18 +120,56 @@ pub(crate) struct Sums {
     pub(crate) pixels: f64,
     pub(crate) normal: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
     pub(crate) score: SVector<f64, UNKNOWNS>,
-    /// What each block's shading becomes: `shift − by_unknowns · step`.
-    pub(crate) shading: Vec<(Shades, SMatrix<f64, SHADES, UNKNOWNS>)>,
-    /// Of the rod, the blurs and the edges together, for the covariance.
-    pub(crate) joint: SMatrix<f64, { UNKNOWNS + EDGES }, { UNKNOWNS + EDGES }>,
-    pub(crate) scores: Vec<SVector<f64, { UNKNOWNS + EDGES }>>,
+    pub(crate) blocks: Vec<BlockSums>,
     /// Of each limb of each eye (plus, minus) how much more likely the pixels are with it than with a slope of light in its place.
     pub(crate) evidence: [[f64; 2]; 2],
-    /// Of each row of each block its squares over its pixels.
-    pub(crate) rows: Vec<Vec<f64>>,
+    /// Of each limb of each block its squares over its pixels.
+    pub(crate) squares: Vec<[Option<f64>; 2]>,
 }
 
-/// A limb where the middle one of its rows crosses it.
+/// What a block's pixels say of what it sees, shading eliminated.
+#[derive(Clone, Debug)]
+pub(crate) struct BlockSums {
+    eye: usize,
+    along: f64,
+    normal: SMatrix<f64, SEEN, SEEN>,
+    score: SVector<f64, SEEN>,
+    /// Shading becomes `shift − by_seen · step`.
+    shift: Shades,
+    by_seen: SMatrix<f64, SHADES, SEEN>,
+    by_unknowns: ByUnknowns,
+}
+
+impl BlockSums {
+    /// By how much shading changes with a step.
+    pub(crate) fn shaded(&self, step: &SVector<f64, UNKNOWNS>) -> Shades {
+        self.shift - self.by_seen * (self.by_unknowns * step)
+    }
+
+    /// Of the unknowns and of the limbs' edges.
+    pub(crate) fn joint(&self) -> (JointMatrix, JointVector) {
+        let mut by = SMatrix::<f64, SEEN, { UNKNOWNS + EDGES }>::zeros();
+        by.fixed_columns_mut::<UNKNOWNS>(0)
+            .copy_from(&self.by_unknowns);
+        for side in 0..2 {
+            let first = UNKNOWNS + self.eye * EDGES / 2 + 3 * side;
+            let bow = self.along * self.along - 1.0 / 3.0;
+            for (k, value) in [1.0, self.along, bow].into_iter().enumerate() {
+                by[(side, first + k)] = value;
+            }
+        }
+        (
+            by.transpose() * self.normal * by,
+            by.transpose() * self.score,
+        )
+    }
+}
+
+/// Of the unknowns, then the edges.
+pub(crate) type JointMatrix = SMatrix<f64, { UNKNOWNS + EDGES }, { UNKNOWNS + EDGES }>;
+pub(crate) type JointVector = SVector<f64, { UNKNOWNS + EDGES }>;
+
+/// A limb at its middle block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Middle {
     /// The rod's radius, px.
@@ -135,25 +185,24 @@ pub(crate) struct Middle {
 
 impl Middle {
     pub(crate) fn of(state: &State, blocks: &[Block], eye: usize, side: usize) -> Option<Self> {
-        let (block, row, cut) = middle_cut(blocks, eye, side)?;
+        let (block, cut) = middle_cut(blocks, eye, side)?;
         let crossing = Crossing::new(state, cut);
         let sign = if side == 0 { -1.0 } else { 1.0 };
         Some(Self {
             radius_px: state.cylinder.radius_m / crossing.per_px,
             inwards: crossing.normal.map(|v| sign * v),
             from_centre_px: cut.from_centre_px,
-            along: row.along,
+            along: block.along,
             half_px: block.half_px,
         })
     }
 }
 
-fn middle_cut(blocks: &[Block], eye: usize, side: usize) -> Option<(&Block, &Row, &Cut)> {
+fn middle_cut(blocks: &[Block], eye: usize, side: usize) -> Option<(&Block, &Cut)> {
     let mut cuts = blocks
         .iter()
         .filter(|block| block.eye == eye)
-        .flat_map(|block| block.rows.iter().map(move |row| (block, row)))
-        .filter_map(|(block, row)| Some((block, row, row.cuts[side].as_ref()?)));
+        .filter_map(|block| Some((block, block.cuts[side].as_ref()?)));
     let count = cuts.clone().count();
     cuts.nth(count / 2)
 }
@@ -161,7 +210,7 @@ fn middle_cut(blocks: &[Block], eye: usize, side: usize) -> Option<(&Block, &Row
 /// The shading and the present spreads of an eye's limbs.
 fn spreads(state: &State, blocks: &[Block]) -> [[Option<Spread>; 2]; 2] {
     let normal = |eye: usize, side: usize| {
-        Some(Crossing::new(state, middle_cut(blocks, eye, side)?.2).normal)
+        Some(Crossing::new(state, middle_cut(blocks, eye, side)?.1).normal)
     };
     [0, 1].map(|eye| {
         [0, 1].map(|side| {
@@ -181,69 +230,106 @@ pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades]) -> Sums {
         pixels: 0.0,
         normal: SMatrix::zeros(),
         score: SVector::zeros(),
-        shading: Vec::with_capacity(blocks.len()),
-        joint: SMatrix::zeros(),
-        scores: Vec::with_capacity(blocks.len()),
+        blocks: Vec::with_capacity(blocks.len()),
         evidence: [[0.0; 2]; 2],
-        rows: Vec::with_capacity(blocks.len()),
+        squares: Vec::with_capacity(blocks.len()),
     };
     for (block, shades) in blocks.iter().zip(shades) {
         let mut local = Local::zeros();
         let mut right = LocalVector::zeros();
-        let mut rows = Vec::with_capacity(block.rows.len());
-        let mut sides = [SideSums::default(), SideSums::default()];
+        let mut squares = [None; 2];
+        let mut by_unknowns = ByUnknowns::zeros();
         let eye = block.eye;
-        for row in &block.rows {
-            let (mut squares, mut count) = (0.0, 0.0);
-            for (side, sums) in sides.iter_mut().enumerate() {
-                let (Some(cut), [Some(plus), Some(minus)]) = (&row.cuts[side], &spreads[eye])
-                else {
-                    continue;
-                };
-                let spreads = if side == 0 {
-                    (plus, minus)
-                } else {
-                    (minus, plus)
-                };
-                let light = Shading::new(shades, side, state.shadows[eye][side], block.rise[side]);
-                let of_row = RowSums::new(state, cut, side, spreads, &light);
-                squares += of_row.squares;
-                count += cut.values.len() as f64;
-                all.cost += row.weight * of_row.cost;
-                all.evidence[eye][side] += row.weight * (cut.without - of_row.cost);
-                all.chi2 += row.weight * of_row.chi2;
-                all.pixels += row.weight * cut.values.len() as f64;
-                if of_row.known == KNOWN {
-                    of_row.add(row, side, state.blur_px2[eye], &mut local, &mut right);
-                } else {
-                    sums.add(&of_row, row);
+        for (side, cut) in block.cuts.iter().enumerate() {
+            let (Some(cut), [Some(plus), Some(minus)]) = (cut, &spreads[eye]) else {
+                continue;
+            };
+            let spreads = if side == 0 {
+                (plus, minus)
+            } else {
+                (minus, plus)
+            };
+            let light = Shading::new(shades, side, state.shadows[eye][side], block.rise[side]);
+            let of_cut = CutSums::new(state, cut, side, spreads, &light);
+            squares[side] = Some(of_cut.squares / cut.pixels);
+            all.cost += cut.weight * of_cut.cost;
+            all.evidence[eye][side] += cut.weight * (cut.without - of_cut.cost);
+            all.chi2 += cut.weight * of_cut.chi2;
+            all.pixels += cut.weight * cut.pixels;
+            of_cut.add(side, cut.weight, &mut local, &mut right);
+            for (k, by_rod) in of_cut.by_rod.into_iter().enumerate() {
+                by_unknowns[(side, k)] = by_rod;
+                // Of a rod so narrow that the other limb is felt without rows of its own.
+                if block.cuts[1 - side].is_none() {
+                    by_unknowns[(1 - side, k)] = if k == RADIUS { by_rod } else { -by_rod };
                 }
             }
-            rows.push(if count > 0.0 { squares / count } else { 0.0 });
         }
-        for (side, sums) in sides.iter().enumerate() {
-            sums.scatter(side, state.blur_px2[eye], &mut local, &mut right);
+        by_unknowns[(BLUR, ROD + eye)] = state.blur_px2[eye];
+        for k in 0..4 {
+            by_unknowns[(SHADOWS + k, of_shadow(eye, 0) + k)] = 1.0;
         }
-        all.rows.push(rows);
-        add_block(&mut all, eye, &local, &right);
+        all.squares.push(squares);
+        all.add(eliminated(block, &local, &right, by_unknowns));
     }
     all
 }
 
-/// Sums over the pixels of a cut.
-struct RowSums {
-    /// So many of what pixels know are known.
+impl Sums {
+    fn add(&mut self, block: BlockSums) {
+        let by = &block.by_unknowns;
+        self.normal += by.transpose() * (block.normal * by);
+        self.score += by.transpose() * block.score;
+        self.blocks.push(block);
+    }
+}
+
+/// A block's sums without its shading.
+fn eliminated(
+    block: &Block,
+    local: &Local,
+    right: &LocalVector,
+    by_unknowns: ByUnknowns,
+) -> BlockSums {
+    let mut shading = local.fixed_view::<SHADES, SHADES>(0, 0).into_owned();
+    let least = 1e-7 * shading.trace() / SHADES as f64 + f64::MIN_POSITIVE;
+    for i in 0..SHADES {
+        shading[(i, i)] += least;
+    }
+    let mut sums = BlockSums {
+        eye: block.eye,
+        along: block.along,
+        normal: SMatrix::zeros(),
+        score: SVector::zeros(),
+        shift: Shades::zeros(),
+        by_seen: SMatrix::zeros(),
+        by_unknowns,
+    };
+    if let Some(factor) = shading.cholesky() {
+        let cross = local.fixed_view::<SHADES, SEEN>(0, SHADES);
+        sums.shift = factor.solve(&right.fixed_rows::<SHADES>(0));
+        sums.by_seen = factor.solve(&cross);
+        sums.normal =
+            local.fixed_view::<SEEN, SEEN>(SHADES, SHADES) - cross.transpose() * sums.by_seen;
+        sums.score = right.fixed_rows::<SEEN>(SHADES) - cross.transpose() * sums.shift;
+    }
+    sums
+}
+
+/// Sums over the samples of a cut.
+struct CutSums {
+    /// So many of what samples know are known.
     known: usize,
     normal: [[f64; KNOWN]; KNOWN],
     right: [f64; KNOWN],
     cost: f64,
     chi2: f64,
     squares: f64,
-    /// Of the distance to the near limb, px, by the rod's unknowns; to the far one only the last has the same sign.
+    /// Of the distance to the near limb, px, by the rod's unknowns.
     by_rod: [f64; ROD],
 }
 
-impl RowSums {
+impl CutSums {
     fn new(
         state: &State,
         cut: &Cut,
@@ -256,15 +342,17 @@ impl RowSums {
         let per_m = 1.0 / crossing.per_px;
         let sign = if side == 0 { 1.0 } else { -1.0 };
         let [h0, h1, h2] = crossing.h;
-        let distance = |h: f64| ((radius_m - sign * h) * per_m, (radius_m + sign * h) * per_m);
-        // The far limb matters where the innermost pixel is within its reach.
-        let innermost = if cut.inwards > 0.0 {
-            cut.first_px + cut.values.len() as f64 - 1.0
-        } else {
-            cut.first_px
+        let distance = |delta: f64| {
+            let h = h0 + delta * (h1 + delta * h2);
+            ((radius_m - sign * h) * per_m, (radius_m + sign * h) * per_m)
         };
-        let (_, far_x) = distance(h0 + innermost * (h1 + innermost * h2));
-        let is_narrow = far_x < far.reach_px();
+        // The far limb matters where the innermost pixel is within its reach.
+        let ends = [cut.samples.first(), cut.samples.last()]
+            .into_iter()
+            .flatten();
+        let is_narrow = ends
+            .map(|end| distance(end.place_px).1)
+            .any(|far_x| far_x < far.reach_px());
         let model = PixelModel {
             near,
             far,
@@ -283,27 +371,17 @@ impl RowSums {
             normal: [[0.0; KNOWN]; KNOWN],
             right: [0.0; KNOWN],
             cost: 0.0,
-            chi2: 0.0,
-            squares: 0.0,
+            chi2: cut.chi2,
+            squares: cut.squares,
             by_rod: [s0, s1, s2, s3, per_m, s5, s6],
         };
-        for (k, (value, weight)) in cut.values.iter().zip(&cut.weights).enumerate() {
-            let delta = cut.first_px + k as f64;
-            let place = distance(h0 + delta * (h1 + delta * h2));
-            let (p, modelled) = model.at(place);
-            let residual = value - modelled;
-            let mut weight = *weight;
-            let off2 = residual * residual * weight;
-            sums.squares += off2;
-            if off2 <= HUBER * HUBER {
-                sums.cost += 0.5 * off2;
-                sums.chi2 += off2;
-            } else {
-                let off = off2.sqrt();
-                sums.cost += HUBER * (off - 0.5 * HUBER);
-                sums.chi2 += HUBER * off;
-                weight *= HUBER / off;
-            }
+        for sample in &cut.samples {
+            let (p, modelled) = model.at(distance(sample.place_px));
+            let residual = sample.value - modelled;
+            let (cost, square, weight) = sample.cost(residual);
+            sums.cost += cost;
+            sums.squares += square;
+            sums.chi2 += weight * residual * residual;
             match known {
                 OF_SHADOW => sums.gather::<OF_SHADOW>(&p, weight, residual),
                 OF_FAR => sums.gather::<OF_FAR>(&p, weight, residual),
@@ -313,7 +391,7 @@ impl RowSums {
         sums
     }
 
-    /// Adds a pixel.
+    /// Adds a sample.
     fn gather<const N: usize>(&mut self, p: &[f64; KNOWN], weight: f64, residual: f64) {
         let p: &[f64; N] = p.first_chunk().expect("no more than are known");
         for ((row, right), value) in self.normal.iter_mut().zip(&mut self.right).zip(p) {
@@ -326,173 +404,28 @@ impl RowSums {
         }
     }
 
-    /// Adds what the pixels know as a block's unknowns have it.
-    fn add(
-        &self,
-        row: &Row,
-        side: usize,
-        blur_px2: f64,
-        local: &mut Local,
-        right: &mut LocalVector,
-    ) {
-        // Of each of what is known, which unknowns it stands for and how much.
-        let mut columns = [[(0_usize, 0.0); ROD + 3]; KNOWN];
-        let mut counts = [1_usize; KNOWN];
-        let single = |place: usize| [(place, 1.0); ROD + 3];
-        for (k, column) in columns.iter_mut().enumerate().take(3) {
-            *column = single(3 * side + k);
+    /// Adds what the samples know to where a block has it.
+    fn add(&self, side: usize, weight: f64, local: &mut Local, right: &mut LocalVector) {
+        let mut places = [0; KNOWN];
+        for (k, place) in places.iter_mut().enumerate() {
+            *place = match k {
+                0..3 => 3 * side + k,
+                3 | 4 => 6 + 2 * side + k - 3,
+                BY_NEAR => SHADES + side,
+                BY_BLUR => SHADES + BLUR,
+                OF_SHADOW..OF_FAR => SHADES + SHADOWS + 2 * side + k - OF_SHADOW,
+                OF_FAR..BY_FAR => 6 + 2 * (1 - side) + k - OF_FAR,
+                _ => SHADES + 1 - side,
+            };
         }
-        for k in 0..2 {
-            columns[3 + k] = single(6 + 2 * side + k);
-            columns[OF_FAR + k] = single(6 + 2 * (1 - side) + k);
-            columns[OF_SHADOW + k] = single(SHADOWS + 2 * side + k);
-        }
-        columns[BY_BLUR] = single(SHADES + ROD);
-        columns[BY_BLUR][0].1 = blur_px2;
-        for (at, side, sign) in [(BY_NEAR, side, 1.0), (BY_FAR, 1 - side, -1.0)] {
-            for (k, (column, by_rod)) in columns[at].iter_mut().zip(self.by_rod).enumerate() {
-                let turned = if k == RADIUS { 1.0 } else { sign };
-                *column = (SHADES + k, turned * by_rod);
-            }
-            let first = LIMBS + 3 * side;
-            columns[at][ROD] = (first, 1.0);
-            columns[at][ROD + 1] = (first + 1, row.along);
-            columns[at][ROD + 2] = (first + 2, row.along * row.along - 1.0 / 3.0);
-            counts[at] = ROD + 3;
-        }
-        for i in 0..self.known {
-            for &(a, of_a) in &columns[i][..counts[i]] {
-                right[a] += row.weight * of_a * self.right[i];
-                for j in 0..self.known {
-                    let value = row.weight * of_a * self.normal[i][j];
-                    for &(b, of_b) in &columns[j][..counts[j]] {
-                        local[(a, b)] += value * of_b;
-                    }
-                }
+        let known = places.iter().take(self.known);
+        for ((a, row), value) in known.clone().zip(&self.normal).zip(&self.right) {
+            right[*a] += weight * value;
+            for (b, value) in known.clone().zip(row) {
+                local[(*a, *b)] += weight * value;
             }
         }
     }
-}
-
-/// By how many unknowns a limb's distance is known: those of the rod, and its shift, turn and bow.
-const MOVES: usize = ROD + 3;
-
-/// The sums of a limb's rows in a block, where the far limb does not matter: dense, and told apart only at the end.
-#[derive(Clone, Debug, Default)]
-struct SideSums {
-    normal: [[f64; OF_FAR]; OF_FAR],
-    right: [f64; OF_FAR],
-    by_moves: [[f64; MOVES]; OF_FAR],
-    of_moves: [[f64; MOVES]; MOVES],
-    right_moves: [f64; MOVES],
-}
-
-impl SideSums {
-    fn add(&mut self, of_row: &RowSums, row: &Row) {
-        let mut moves = [1.0; MOVES];
-        moves[..ROD].copy_from_slice(&of_row.by_rod);
-        moves[ROD + 1] = row.along;
-        moves[ROD + 2] = row.along * row.along - 1.0 / 3.0;
-        let weight = row.weight;
-        for (i, by_moves) in self.by_moves.iter_mut().enumerate() {
-            for (sum, value) in self.normal[i].iter_mut().zip(&of_row.normal[i]) {
-                *sum += weight * value;
-            }
-            self.right[i] += weight * of_row.right[i];
-            let of_near = weight * of_row.normal[i][BY_NEAR];
-            for (sum, value) in by_moves.iter_mut().zip(&moves) {
-                *sum += of_near * value;
-            }
-        }
-        let of_near = weight * of_row.normal[BY_NEAR][BY_NEAR];
-        for (sums, of_one) in self.of_moves.iter_mut().zip(&moves) {
-            for (sum, value) in sums.iter_mut().zip(&moves) {
-                *sum += of_near * of_one * value;
-            }
-        }
-        for (sum, value) in self.right_moves.iter_mut().zip(&moves) {
-            *sum += weight * of_row.right[BY_NEAR] * value;
-        }
-    }
-
-    /// To where a block's unknowns are.
-    fn scatter(&self, side: usize, blur_px2: f64, local: &mut Local, right: &mut LocalVector) {
-        let place = |i: usize| match i {
-            0..3 => (3 * side + i, 1.0),
-            3 | 4 => (6 + 2 * side + i - 3, 1.0),
-            BY_BLUR => (SHADES + ROD, blur_px2),
-            _ => (SHADOWS + 2 * side + i - OF_SHADOW, 1.0),
-        };
-        let of_move = |k: usize| match k {
-            0..ROD => SHADES + k,
-            _ => LIMBS + 3 * side + k - ROD,
-        };
-        let singles = || (0..OF_FAR).filter(|i| *i != BY_NEAR);
-        for i in singles() {
-            let (a, of_a) = place(i);
-            right[a] += of_a * self.right[i];
-            for j in singles() {
-                let (b, of_b) = place(j);
-                local[(a, b)] += of_a * of_b * self.normal[i][j];
-            }
-            for (k, value) in self.by_moves[i].iter().enumerate() {
-                local[(a, of_move(k))] += of_a * value;
-                local[(of_move(k), a)] += of_a * value;
-            }
-        }
-        for (k, values) in self.of_moves.iter().enumerate() {
-            right[of_move(k)] += self.right_moves[k];
-            for (l, value) in values.iter().enumerate() {
-                local[(of_move(k), of_move(l))] += value;
-            }
-        }
-    }
-}
-
-/// Eliminates a block's shading and adds what is left.
-fn add_block(all: &mut Sums, eye: usize, local: &Local, right: &LocalVector) {
-    const REST: usize = LOCAL - SHADES;
-    let mut shading = local.fixed_view::<SHADES, SHADES>(0, 0).into_owned();
-    let least = 1e-7 * shading.trace() / SHADES as f64 + f64::MIN_POSITIVE;
-    for i in 0..SHADES {
-        shading[(i, i)] += least;
-    }
-    let empty = (Shades::zeros(), SMatrix::zeros());
-    let Some(factor) = shading.cholesky() else {
-        all.shading.push(empty);
-        all.scores.push(SVector::zeros());
-        return;
-    };
-    let cross = local.fixed_view::<SHADES, REST>(0, SHADES).into_owned();
-    let right_shading = right.fixed_rows::<SHADES>(0).into_owned();
-    let shift = factor.solve(&right_shading);
-    let by_rest = factor.solve(&cross);
-    let rest = local.fixed_view::<REST, REST>(SHADES, SHADES) - cross.transpose() * by_rest;
-    let score = right.fixed_rows::<REST>(SHADES) - cross.transpose() * shift;
-    // Where the block's unknowns are among all.
-    let place = |k: usize| match k {
-        0..ROD => k,
-        ROD => ROD + eye,
-        8..12 => of_shadow(eye, 0) + k - ROD - 1,
-        _ => UNKNOWNS + eye * EDGES / 2 + k - ROD - 5,
-    };
-    let mut scores = SVector::<f64, { UNKNOWNS + EDGES }>::zeros();
-    for i in 0..REST {
-        scores[place(i)] = score[i];
-        for j in 0..REST {
-            all.joint[(place(i), place(j))] += rest[(i, j)];
-        }
-    }
-    let mut by_unknowns = SMatrix::<f64, SHADES, UNKNOWNS>::zeros();
-    for k in 0..REST - EDGES / 2 {
-        by_unknowns.set_column(place(k), &by_rest.column(k));
-        all.score[place(k)] += score[k];
-        for j in 0..REST - EDGES / 2 {
-            all.normal[(place(k), place(j))] += rest[(k, j)];
-        }
-    }
-    all.shading.push((shift, by_unknowns));
-    all.scores.push(scores);
 }
 
 #[cfg(test)]
@@ -502,8 +435,9 @@ mod tests {
         Vec3,
     };
 
-    use super::super::bands::blocks;
+    use super::super::bands::stretches;
     use super::super::light::Light;
+    use super::super::pool::{self, Block};
     use super::super::state::{BEND, Shadow};
     use super::*;
     use crate::Roi;
@@ -566,8 +500,8 @@ mod tests {
         let mut shades = vec![Shades::zeros(); blocks.len()];
         for _ in 0..12 {
             let here = sums(state, blocks, &shades);
-            for (shades, (shift, _)) in shades.iter_mut().zip(&here.shading) {
-                *shades += shift;
+            for (shades, block) in shades.iter_mut().zip(&here.blocks) {
+                *shades += block.shaded(&SVector::zeros());
             }
         }
         sums(state, blocks, &shades)
@@ -584,11 +518,11 @@ mod tests {
                 let image = image(mounted, &truth);
                 let light = Light::of(&image, WHOLE);
                 let axes = [[1.0, 0.0, 0.0]; 2];
-                let found = blocks(eye, mounted, &light, &axes, &State::new(truth, 0.1), 1);
-                all.extend(found.expect("blocks"));
-                let cuts = all.iter_mut().flat_map(|block: &mut Block| &mut block.rows);
-                for cut in cuts.flat_map(|row| row.cuts.iter_mut().flatten()) {
-                    cut.weights.fill(1.0);
+                let found = stretches(mounted, &light, &axes, &State::new(truth, 0.1), 0.1, 1);
+                all.extend(pool::blocks(eye, &found.expect("stretches")));
+                let cuts = all.iter_mut().flat_map(|block: &mut Block| &mut block.cuts);
+                for sample in cuts.flatten().flat_map(|cut| &mut cut.samples) {
+                    sample.weight = 1.0;
                 }
             }
             let mut off = SVector::<f64, UNKNOWNS>::zeros();

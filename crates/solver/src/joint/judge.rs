@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::climb::{Fit, Prior, add_shadows};
-use super::fit::EDGES;
+use super::fit::{BlockSums, EDGES, JointMatrix, JointVector};
 use super::limbs::Found;
 use super::state::{BEND, RADIUS, ROD, UNKNOWNS};
 use crate::CalibrationSigma;
@@ -40,14 +40,14 @@ pub(crate) fn judge(
     prior: Option<Prior>,
     calibration: Option<&CalibrationSigma>,
 ) -> Option<Judgement> {
-    let sums = &fit.sums;
+    let blocks: Vec<(JointMatrix, JointVector)> =
+        fit.sums.blocks.iter().map(BlockSums::joint).collect();
+    let all: JointMatrix = blocks.iter().map(|block| block.0).sum();
     // Blurs and shadows are eliminated from the rest.
     let blurs: Vec<usize> = (ROD..UNKNOWNS).collect();
     let rest: Vec<usize> = (0..ROD).chain(UNKNOWNS..UNKNOWNS + EDGES).collect();
     let part = |rows: &[usize], columns: &[usize]| {
-        nalgebra::DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
-            sums.joint[(rows[i], columns[j])]
-        })
+        nalgebra::DMatrix::from_fn(rows.len(), columns.len(), |i, j| all[(rows[i], columns[j])])
     };
     let mut of_blurs = part(&blurs, &blurs);
     let mut known = SMatrix::zeros();
@@ -69,7 +69,7 @@ pub(crate) fn judge(
     // Blocks are measurements of their own: their scores' scatter is what the noise really is.
     let mut scatter = Edges::zeros();
     let mut score = SVector::<f64, EDGES>::zeros();
-    for block in &sums.scores {
+    for (_, block) in &blocks {
         let of_edges = SVector::<f64, EDGES>::from_fn(|i, _| {
             let nuisance = blurs.iter().enumerate();
             let blur: f64 = nuisance
@@ -87,7 +87,7 @@ pub(crate) fn judge(
         information[(k, k)] += 1e-9 * largest;
     }
     let inverse = information.try_inverse()?;
-    let count = sums.scores.len() as f64;
+    let count = blocks.len() as f64;
     let few = count / (count - 4.0).max(1.0);
     let by_noise = inverse * scatter * inverse * few;
     let mut of_edges = by_noise;

@@ -1,11 +1,13 @@
 //! Which limbs are seen as limbs.
 
-use super::bands::Block;
 use super::climb::Fit;
 use super::fit::{Middle, Shades};
+use super::pool::Block;
 
 /// A limb that is not this much more likely than none is not seen.
 const LEAST_EVIDENCE: f64 = 30.0;
+/// Nor is one that is so much less plain than the plainest: models of light are not as good as that.
+const LEAST_SHARE: f64 = 1e-3;
 /// So far inside a limb, px, light is looked at.
 const INSIDE_PX: f64 = 4.0;
 /// Of light that rises ever faster inside a limb the step at it is at least this share.
@@ -47,15 +49,18 @@ impl Found {
 
 /// Of each eye its limbs plus and minus.
 pub(crate) fn limbs(fit: &Fit, blocks: &[Block]) -> [[Found; 2]; 2] {
+    let evidence = &fit.sums.evidence;
+    let plainest = evidence.iter().flatten().copied().fold(0.0, f64::max);
+    let least = LEAST_EVIDENCE.max(LEAST_SHARE * plainest);
     [0, 1].map(|eye| {
         [0, 1].map(|side| {
             let all = blocks.iter().zip(&fit.shades);
-            let mine = all.filter(|(block, _)| block.eye == eye && block.sees(side));
+            let mine = all.filter(|(block, _)| block.eye == eye && block.cuts[side].is_some());
             let shades: Vec<&Shades> = mine.map(|(_, shades)| shades).collect();
             let middle = Middle::of(&fit.state, blocks, eye, side);
             let radius_px = middle.map_or(1.0, |middle| middle.radius_px);
             let rise = Rise::of(&shades, side, radius_px);
-            let limb = if shades.is_empty() || fit.sums.evidence[eye][side] < LEAST_EVIDENCE {
+            let limb = if shades.is_empty() || evidence[eye][side] < least {
                 Limb::Unseen
             } else if rise.is_soft() {
                 Limb::Soft

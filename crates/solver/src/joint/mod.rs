@@ -19,9 +19,12 @@ mod fit;
 mod judge;
 mod light;
 mod limbs;
+mod moments;
 mod noise;
 mod pair;
+mod pool;
 mod radon;
+mod refine;
 mod refusal;
 mod shade;
 mod shadow;
@@ -34,17 +37,14 @@ mod whitening;
 
 use std::time::Instant;
 
-use rodsight_geometry::{Eye, Pixel, Side, Vec3};
+use rodsight_geometry::{Eye, Pixel};
 
 use crate::{Estimate, Method, Request, SolveError};
 use answer::give;
-use climb::{Fit, Prior};
-use judge::Judgement;
 use light::Light;
-use limbs::Limb;
 use pair::Candidate;
+use refine::{Located, is_enough};
 use refusal::Refusal;
-use state::State;
 use strip::Strip;
 
 /// Edges of an image that are paired.
@@ -57,18 +57,10 @@ const COARSE: [(usize, usize); 3] = [(1 << 15, 256), (1 << 13, 128), (1 << 17, 5
 /// Rods that are fitted in turn until one fits, and what is likely enough of the likeliest to be tried.
 const TRIED: usize = 6;
 const LEAST_SHARE: f64 = 0.2;
-/// Every so many-th row is enough to come near.
-const ROUGH: usize = 3;
-/// A rod is bent if that makes the pixels so much likelier.
-const BEND_GAIN: f64 = 12.0;
 /// What is likely enough of the likeliest to be looked at where a pick may mean what is in front.
 const NEARER_SHARE: f64 = 0.4;
 /// Strips that are turned by less are one.
 const SAME_RAD: f64 = 0.15;
-/// A pick may miss the rod by so many radii.
-const MOST_MISS_RADII: f64 = 0.2;
-/// χ² of a pixel of what surely is a rod.
-const SURE_MISFIT: f64 = 1.3;
 /// Another rod that is as likely as this is a warning.
 const RUNNER_UP: f64 = 0.8;
 
@@ -77,51 +69,6 @@ struct Seen<'a> {
     light: Light<'a>,
     strips: Vec<Strip>,
     factor: usize,
-}
-
-/// A rod that was fitted.
-struct Located {
-    fit: Fit,
-    judgement: Judgement,
-    prior: Option<Prior>,
-    /// Of each eye plus and minus.
-    limbs: [[Limb; 2]; 2],
-}
-
-impl Located {
-    /// Whether a ray meets this rod before another; `None` where they are met together, or one is not.
-    fn is_nearer(&self, other: &Self, (from_m, along): &(Vec3, Vec3)) -> Option<bool> {
-        let met_m = |located: &Self| {
-            let tangent = located.fit.state.tangent_at(Some(&(*from_m, *along)));
-            Some(tangent.cylinder.intersect(from_m, along)?.0)
-        };
-        let (mine_m, theirs_m) = (met_m(self)?, met_m(other)?);
-        let radius_m = |located: &Self| located.fit.state.cylinder.radius_m;
-        let apart_m = radius_m(self).min(radius_m(other));
-        ((mine_m - theirs_m).abs() > apart_m).then_some(mine_m < theirs_m)
-    }
-
-    /// Whether it surely is a rod.
-    fn is_sure(&self) -> bool {
-        let limbs = self.limbs.iter().flatten();
-        let seen = limbs.filter(|limb| **limb == Limb::Seen).count();
-        self.fit.converged && seen == 4 && self.misfit() < SURE_MISFIT
-    }
-
-    /// Whether a ray meets the rod, or passes it nearly.
-    fn is_met(&self, ray: &(Vec3, Vec3)) -> bool {
-        let tangent = self.fit.state.tangent_at(Some(ray)).cylinder;
-        let beyond_m = tangent.tangency_residual_m(&ray.0, &ray.1, Side::Plus);
-        beyond_m.is_some_and(|beyond_m| {
-            let gap_m = (beyond_m + tangent.radius_m).abs();
-            gap_m < (1.0 + MOST_MISS_RADII) * tangent.radius_m
-        })
-    }
-
-    /// χ² of a pixel.
-    fn misfit(&self) -> f64 {
-        self.fit.sums.chi2 / self.fit.sums.pixels
-    }
 }
 
 /// Locates the rod.
@@ -207,7 +154,7 @@ fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal>
                 continue;
             }
         }
-        let Some(found) = fitted(request, lights, candidate) else {
+        let Some(found) = refine::refine(request, lights, candidate) else {
             continue;
         };
         let is_better = match &located {
@@ -266,97 +213,4 @@ fn is_same(a: &Candidate, b: &Candidate) -> bool {
         let turned = a.edges[0].line.angle_to(&b.edges[0].line);
         is_there && turned < SAME_RAD
     })
-}
-
-/// Follows the limbs of a candidate and climbs to the likeliest rod.
-fn fitted(
-    request: &Request<'_>,
-    lights: [&Light<'_>; 2],
-    candidate: &Candidate,
-) -> Option<Located> {
-    let rig = &request.pair.rig;
-    let mut strips = candidate.strips;
-    for (k, strip) in strips.iter_mut().enumerate() {
-        let axis = strip.edges[0].axis;
-        let towards = strip.edges[0].normal.dot(&strip.edges[1].normal).signum();
-        for (side, edge) in strip.edges.iter_mut().enumerate() {
-            let polarity = if side == 0 { 1.0 } else { -towards };
-            let traced = trace::trace(lights[k], edge, &axis, polarity, 14)
-                .and_then(|t| trace::trace(lights[k], &t, &axis, polarity, 8));
-            if let Some(traced) = traced {
-                *edge = traced;
-            }
-        }
-    }
-    let known = request.radius.map(|prior| prior.radius_m);
-    let free = pair::cylinder(rig, lights, [&strips[0], &strips[1]], None);
-    let is_free = free.is_some();
-    let (cylinder, _) =
-        free.or_else(|| pair::cylinder(rig, lights, [&strips[0], &strips[1]], known))?;
-    let prior = request.radius.map(|prior| Prior {
-        radius_m: prior.radius_m,
-        sigma_m: prior.sigma_m.unwrap_or(1e-6).max(1e-6),
-    });
-    let state = State::new(cylinder, 0.1);
-    let views = [
-        contrast::view(0, &rig.left, lights[0], &state)?,
-        contrast::view(1, &rig.right, lights[1], &state)?,
-    ];
-    let all = [[Limb::Seen; 2]; 2];
-    let climb = |state: State, limbs: [[Limb; 2]; 2], prior: Option<Prior>, stride| {
-        let mut blocks = Vec::new();
-        for (k, (view, light)) in views.iter().zip(lights).enumerate() {
-            let (mounted, axes) = (&view.mounted, &view.axes);
-            blocks.extend(bands::blocks(k, mounted, light, axes, &state, stride)?);
-        }
-        for block in &mut blocks {
-            for side in (0..2).filter(|side| limbs[block.eye][*side] != Limb::Seen) {
-                block.rows.iter_mut().for_each(|row| row.cuts[side] = None);
-            }
-        }
-        let fit = (blocks.len() >= 4).then(|| climb::climb(&state, &mut blocks, prior));
-        Some((fit??, blocks))
-    };
-    let (mut fit, mut blocks) = climb(state, all, prior.filter(|_| !is_free), ROUGH)?;
-    // What the limbs show without the radius that was given: it might be wrong, and pull the limbs to where none is.
-    let seen_radius = prior.filter(|_| is_free).and_then(|_| {
-        let found = limbs::limbs(&fit, &blocks);
-        judge::judge(&fit, &found, None, request.calibration.as_ref())?.seen_radius
-    });
-    // Again where the limbs turned out to be, with the shadows and the bend that were seen there.
-    fit.state.shadows = shadow::shadows(&fit, &blocks, ROUGH as f64);
-    fit.state.bend_per_m = (ROUGH as f64 * fit.bend_gain() > BEND_GAIN).then(Vec3::zeros);
-    (fit, blocks) = climb(fit.state, all, prior, 1)?;
-    if fit.state.bend_per_m.is_some() {
-        // Its ends come into view once the bend is known.
-        (fit, blocks) = climb(fit.state, all, prior, 1)?;
-    }
-    let mut found = limbs::limbs(&fit, &blocks);
-    let mut limbs = found.map(|eye| eye.map(|found| found.limb));
-    let is_lost = limbs.iter().flatten().any(|limb| *limb != Limb::Seen);
-    if is_lost && is_enough(limbs, prior.is_some()) {
-        (fit, blocks) = climb(fit.state, limbs, prior, 1)?;
-        // Without the others nothing checks those that are left but how they look.
-        found = limbs::limbs(&fit, &blocks);
-        for (limb, found) in limbs.iter_mut().flatten().zip(found.iter().flatten()) {
-            if *limb == Limb::Seen {
-                *limb = found.alone();
-            }
-        }
-    }
-    let mut judgement = judge::judge(&fit, &found, prior, request.calibration.as_ref())?;
-    judgement.seen_radius = seen_radius.or(judgement.seen_radius);
-    Some(Located {
-        fit,
-        judgement,
-        prior,
-        limbs,
-    })
-}
-
-/// Whether limbs place a rod: three of them, or one in each eye and its radius.
-fn is_enough(limbs: [[Limb; 2]; 2], is_radius_known: bool) -> bool {
-    let seen = limbs.map(|eye| eye.iter().filter(|limb| **limb == Limb::Seen).count());
-    let least = if is_radius_known { 2 } else { 3 };
-    seen[0] > 0 && seen[1] > 0 && seen[0] + seen[1] >= least
 }

@@ -2,7 +2,7 @@
 
 use super::bands::REACH_PX;
 use super::fit::Shades;
-use super::spread::Spread;
+use super::spread::{Shapes, Spread};
 use super::state::Shadow;
 
 /// What a pixel knows, in the order of its row's sums: the near limb's three shapes inside and two outside, the light's derivatives
@@ -63,12 +63,16 @@ impl PixelModel<'_> {
         } = self.light;
         let sign = self.sign;
         let per_radius = 1.0 / self.radius_px;
-        let [e, e1, e2] = self.near.step(x);
-        let [ramp, ..] = self.near.ramp(x);
-        let [root, root1, root2] = self.near.root(x);
-        let [f, f1, _] = self.far.step(far_x);
-        let [far_ramp, ..] = self.far.ramp(far_x);
-        let [far_root, far_root1, _] = self.far.root(far_x);
+        let Shapes {
+            step: [e, e1, e2],
+            ramp: [ramp, ..],
+            root: [root, root1, root2],
+        } = self.near.at(x);
+        let Shapes {
+            step: [f, f1, f2],
+            ramp: [far_ramp, ..],
+            root: [far_root, far_root1, far_root2],
+        } = self.far.at(far_x);
         let inside = e + f - 1.0;
         let far_off = far_x - far_ramp;
         let linear = sign * (e - ramp * per_radius - (far_off * per_radius - (1.0 - f)));
@@ -76,6 +80,11 @@ impl PixelModel<'_> {
         let [a0, a1, a2] = [inner[0], sign * inner[1], inner[2] * rounded];
         let (b0, b1) = (outer[0], outer[1] / REACH_PX);
         let (c0, c1) = (beyond[0], beyond[1] / REACH_PX);
+        let by_near2 = a0 * e2 + a1 * (e2 - e1 * per_radius) + a2 * root2 - b0 * e2 - b1 * e1;
+        let by_far2 = a0 * f2 - a1 * (f2 - f1 * per_radius)
+            + inner[2] * root * far_root2 * per_radius
+            - c0 * f2
+            - c1 * f1;
         let mut known = [
             inside,
             linear,
@@ -83,7 +92,7 @@ impl PixelModel<'_> {
             1.0 - e,
             (x - ramp) / REACH_PX,
             a0 * e1 + a1 * (e1 - e * per_radius) + a2 * root1 - b0 * e1 + b1 * (1.0 - e),
-            0.5 * (a0 * e2 + a1 * (e2 - e1 * per_radius) + a2 * root2 - b0 * e2 - b1 * e1),
+            0.5 * (by_near2 + by_far2),
             0.0,
             0.0,
             1.0 - f,
@@ -96,13 +105,13 @@ impl PixelModel<'_> {
         light += outer[0] * known[3] + outer[1] * known[4];
         light += beyond[0] * known[OF_FAR] + beyond[1] * known[OF_FAR + 1];
         if let Some(shadow) = shadow {
-            let [value, by_x, by_x2, by_angle] =
+            let [value, by_x, by_blur, by_angle] =
                 shadowed(self.near, x, self.radius_px, shadow.angle_rad);
             let amount = rise * shadow.amount;
             known[OF_SHADOW] = rise * value;
             known[BY_ANGLE] = amount * by_angle;
             known[BY_NEAR] += amount * by_x;
-            known[BY_BLUR] += 0.5 * amount * by_x2;
+            known[BY_BLUR] += amount * by_blur;
             light += amount * value;
         }
         (known, light)
@@ -142,7 +151,7 @@ fn shadowed(spread: &Spread, x_px: f64, radius_px: f64, angle_rad: f64) -> [f64;
     [
         scale * ramp * slow,
         scale * (step * slow + ramp * by_x),
-        scale * (line * slow + 2.0 * step * by_x),
+        0.5 * scale * line * slow,
         scale * (ramp * by_angle - step * slow * radius_px * aside),
     ]
 }

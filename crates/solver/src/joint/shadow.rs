@@ -1,9 +1,10 @@
 //! Where a lamp's light ends before a limb.
 
-use super::bands::{Block, INSIDE_PX};
+use super::bands::INSIDE_PX;
 use super::climb::Fit;
 use super::fit::{Middle, sums};
-use super::state::{ROD, Shadow, of_shadow};
+use super::pool::Block;
+use super::state::{MOST_AMOUNT, ROD, Shadow, of_shadow};
 
 /// Where light may end, px from the limb: what is nearer looks as light that ends at the limb, and what is farther is not looked at.
 const ENDS_PX: [f64; 6] = [0.6, 0.9, 1.3, 2.0, 2.8, 3.8];
@@ -12,8 +13,8 @@ const MOST_END_PX: f64 = 0.85 * INSIDE_PX;
 /// A shadow is one if it makes the pixels so much likelier: it has two unknowns (Akaike 1974).
 const LEAST_GAIN: f64 = 2.0;
 
-/// The shadows that a fit without them would like to have, of every so many-th row.
-pub(crate) fn shadows(fit: &Fit, blocks: &[Block], stride: f64) -> [[Option<Shadow>; 2]; 2] {
+/// The shadows that a fit without them would like to have.
+pub(crate) fn shadows(fit: &Fit, blocks: &[Block]) -> [[Option<Shadow>; 2]; 2] {
     let radii_px = [0, 1].map(|eye| {
         let radius_px =
             |side| Middle::of(&fit.state, blocks, eye, side).map_or(0.0, |middle| middle.radius_px);
@@ -59,10 +60,12 @@ pub(crate) fn shadows(fit: &Fit, blocks: &[Block], stride: f64) -> [[Option<Shad
                     .component_mul(&scale);
                 let information = here.normal[(k, k)] - cross.dot(&by_free) + 1.0;
                 let left = here.score[k] - score.dot(&by_free);
-                let gain = stride * 0.5 * left * left / information;
+                let gain = 0.5 * left * left / information;
                 // A shadow takes light away.
                 if left > 0.0 && gain > best.0 {
-                    *best = (gain, state.shadows[eye][side]);
+                    let amount = (left / information).min(MOST_AMOUNT);
+                    let shadow = state.shadows[eye][side];
+                    *best = (gain, shadow.map(|shadow| Shadow { amount, ..shadow }));
                 }
             }
         }

@@ -3,52 +3,40 @@
 //! Across a limb everything that the fit needs is a function of x, the distance inside it in px: the rod's share of a pixel, light
 //! that grows with the distance, and light that grows with its root, as that of a round rod lit from the camera does.
 
-use core::f64::consts::PI;
+use super::moments::{Moments, moments};
 
 /// Sharper lenses are taken for this one, which no pixel tells from them.
 pub(crate) const LEAST_BLUR_PX2: f64 = 0.01;
 /// Nodes of a table to either side of the edge.
-const HALF: usize = 64;
+const HALF: usize = 40;
 const NODES: usize = 2 * HALF + 1;
-
-/// A function and its slope at the nodes, and between them by cubics.
-#[derive(Clone, Debug)]
-struct Table([[f64; 2]; NODES]);
-
-impl Table {
-    /// Value, first and second derivative; the caller knows that the place is within reach.
-    fn at(&self, x_px: f64, reach_px: f64) -> [f64; 3] {
-        let step = reach_px / HALF as f64;
-        let place = (x_px + reach_px) / step;
-        let node = (place as usize).min(NODES - 2);
-        let s = place - node as f64;
-        let ([a, a1], [b, b1]) = (self.0[node], self.0[node + 1]);
-        let (a1, b1) = (a1 * step, b1 * step);
-        // a + a1 s + c s² + d s³.
-        let c = 3.0 * (b - a) - 2.0 * a1 - b1;
-        let d = 2.0 * (a - b) + a1 + b1;
-        [
-            a + s * (a1 + s * (c + s * d)),
-            (a1 + s * (2.0 * c + s * 3.0 * d)) / step,
-            (2.0 * c + 6.0 * d * s) / (step * step),
-        ]
-    }
-}
 
 /// The spread of an edge of one direction by one blur.
 #[derive(Clone, Debug)]
 pub(crate) struct Spread {
     /// Beyond it a step is a step, px.
     reach_px: f64,
-    step: Table,
-    ramp: Table,
-    root: Table,
+    /// Of a step, a ramp and a root the value and the slope; between nodes they are cubics.
+    nodes: [[[f64; 2]; 3]; NODES],
     /// Second and fourth moments of the spread, px² and px⁴.
     moments: [f64; 2],
 }
 
 /// Value, slope, curvature.
 pub(crate) type Shape = [f64; 3];
+
+const NONE: Shape = [0.0; 3];
+
+/// How light is spread at a distance inside an edge.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shapes {
+    /// Of what is 1 inside, 0 outside.
+    pub(crate) step: Shape,
+    /// Of the distance inside, 0 outside.
+    pub(crate) ramp: Shape,
+    /// Of the root of the distance inside, 0 outside.
+    pub(crate) root: Shape,
+}
 
 impl Spread {
     /// An edge with a unit normal, blurred by a Gaussian of so many px² and by the pixel's square.
@@ -59,23 +47,16 @@ impl Spread {
         }
         let blur = Blur::new(wide, narrow, blur_px2);
         let reach_px = 0.5 * (wide + narrow) + 5.0 * blur.sigma + 0.3;
-        let place = |node: usize| (node as f64 / HALF as f64 - 1.0) * reach_px;
-        let step = Table(core::array::from_fn(|n| {
-            [blur.step(place(n)), blur.line(place(n))]
-        }));
-        let ramp = Table(core::array::from_fn(|n| {
-            [blur.ramp(place(n)), blur.step(place(n))]
-        }));
-        let root = Table(core::array::from_fn(|n| {
-            blurred_root(&step, place(n), reach_px)
-        }));
+        let nodes = core::array::from_fn(|node| {
+            let place = (node as f64 / HALF as f64 - 1.0) * reach_px;
+            let [line, step, ramp, sloped, root] = blur.at(place);
+            [[step, line], [ramp, step], [root, sloped]]
+        });
         let [a2, b2] = [wide * wide, narrow * narrow];
         let boxes = (a2 + b2) / 12.0;
         Self {
             reach_px,
-            step,
-            ramp,
-            root,
+            nodes,
             moments: [
                 blur_px2 + boxes,
                 3.0 * blur_px2 * blur_px2
@@ -91,45 +72,71 @@ impl Spread {
         self.reach_px
     }
 
-    /// 1 inside, 0 outside.
-    pub(crate) fn step(&self, x_px: f64) -> Shape {
+    /// At a distance inside.
+    pub(crate) fn at(&self, x_px: f64) -> Shapes {
         if x_px >= self.reach_px {
-            [1.0, 0.0, 0.0]
+            Shapes {
+                step: [1.0, 0.0, 0.0],
+                ramp: [x_px, 1.0, 0.0],
+                root: self.deep_root(x_px),
+            }
         } else if x_px <= -self.reach_px {
-            [0.0; 3]
+            Shapes {
+                step: NONE,
+                ramp: NONE,
+                root: NONE,
+            }
         } else {
-            self.step.at(x_px, self.reach_px)
+            let [step, ramp, root] = self.between(x_px, [0, 1, 2]);
+            Shapes { step, ramp, root }
         }
     }
 
-    /// The distance inside, 0 outside.
+    /// The ramp alone.
     pub(crate) fn ramp(&self, x_px: f64) -> Shape {
         if x_px >= self.reach_px {
             [x_px, 1.0, 0.0]
         } else if x_px <= -self.reach_px {
-            [0.0; 3]
+            NONE
         } else {
-            self.ramp.at(x_px, self.reach_px)
+            let [ramp] = self.between(x_px, [1]);
+            ramp
         }
     }
 
-    /// The root of the distance inside, 0 outside.
-    pub(crate) fn root(&self, x_px: f64) -> Shape {
-        if x_px >= self.reach_px {
-            let root = x_px.sqrt();
-            let per_px2 = 1.0 / (x_px * x_px);
-            let [second, fourth] = self.moments.map(|m| m * per_px2);
-            let (second, fourth) = (0.125 * second, 15.0 / 384.0 * fourth * per_px2);
+    /// Where nothing but the moments of the spread is felt.
+    fn deep_root(&self, x_px: f64) -> Shape {
+        let root = x_px.sqrt();
+        let per_px2 = 1.0 / (x_px * x_px);
+        let [second, fourth] = self.moments.map(|m| m * per_px2);
+        let (second, fourth) = (0.125 * second, 15.0 / 384.0 * fourth * per_px2);
+        [
+            root * (1.0 - second - fourth),
+            0.5 / root * (1.0 + 3.0 * second + 7.0 * fourth),
+            -0.25 / (root * x_px),
+        ]
+    }
+
+    /// Some of a step, a ramp and a root within reach.
+    fn between<const N: usize>(&self, x_px: f64, which: [usize; N]) -> [Shape; N] {
+        let per_px = HALF as f64 / self.reach_px;
+        let px = self.reach_px / HALF as f64;
+        let place = (x_px + self.reach_px) * per_px;
+        let node = (place as usize).min(NODES - 2);
+        let s = place - node as f64;
+        let (before, after) = (&self.nodes[node], &self.nodes[node + 1]);
+        which.map(|k| {
+            let ([a, a1], [b, b1]) = (before[k], after[k]);
+            let (a1, b1) = (a1 * px, b1 * px);
+            // a + a1 s + c s² + d s³.
+            let c = 3.0 * (b - a) - 2.0 * a1 - b1;
+            let d = 2.0 * (a - b) + a1 + b1;
             [
-                root * (1.0 - second - fourth),
-                0.5 / root * (1.0 + 3.0 * second + 7.0 * fourth),
-                -0.25 / (root * x_px),
+                a + s * (a1 + s * (c + s * d)),
+                (a1 + s * (2.0 * c + s * 3.0 * d)) * per_px,
+                (2.0 * c + 6.0 * d * s) * (per_px * per_px),
             ]
-        } else if x_px <= -self.reach_px {
-            [0.0; 3]
-        } else {
-            self.root.at(x_px, self.reach_px)
-        }
+        })
     }
 }
 
@@ -155,65 +162,31 @@ impl Blur {
         }
     }
 
-    /// The difference, once for each box, of what a function's integral is at its borders.
-    fn boxed(&self, once: impl Fn(f64) -> f64, twice: impl Fn(f64) -> f64, x: f64) -> f64 {
+    /// At a distance: 1/distance, 1, the distance, half of one over its root, and its root, blurred. Boxes blur by differences, once for
+    /// each, of integrals at their borders.
+    fn at(&self, x: f64) -> [f64; 5] {
         let a = 0.5 * self.wide;
+        let parts = |x: f64, sign: f64, order: usize| {
+            let Moments { steps, roots } = moments(x, self.sigma);
+            let [line, step, ramp] = [order - 1, order, order + 1].map(|n| sign * steps[n]);
+            let [sloped, root] = [order - 1, order].map(|n| sign * roots[n]);
+            [line, step, ramp, sloped, root]
+        };
+        let add = |a: [f64; 5], b: [f64; 5]| core::array::from_fn(|k| a[k] + b[k]);
         match self.narrow {
-            None => (once(x + a) - once(x - a)) / self.wide,
+            None => {
+                let sum: [f64; 5] = add(parts(x + a, 1.0, 1), parts(x - a, -1.0, 1));
+                sum.map(|v| v / self.wide)
+            }
             Some(narrow) => {
                 let b = 0.5 * narrow;
-                let sum = twice(x + a + b) - twice(x + a - b) - twice(x - a + b) + twice(x - a - b);
-                sum / (self.wide * narrow)
+                let outer = add(parts(x + a + b, 1.0, 2), parts(x - a - b, 1.0, 2));
+                let inner = add(parts(x + a - b, -1.0, 2), parts(x - a + b, -1.0, 2));
+                let sum: [f64; 5] = add(outer, inner);
+                sum.map(|v| v / (self.wide * narrow))
             }
         }
     }
-
-    fn line(&self, x: f64) -> f64 {
-        self.boxed(|x| self.power(0, x), |x| self.power(1, x), x)
-    }
-
-    fn step(&self, x: f64) -> f64 {
-        self.boxed(|x| self.power(1, x), |x| self.power(2, x), x)
-    }
-
-    fn ramp(&self, x: f64) -> f64 {
-        self.boxed(|x| self.power(2, x), |x| self.power(3, x), x)
-    }
-
-    /// `x₊ⁿ / n!`, blurred by the Gaussian.
-    fn power(&self, n: u32, x: f64) -> f64 {
-        let z = x / self.sigma;
-        let whole = 0.5 * libm::erfc(-z * core::f64::consts::FRAC_1_SQRT_2);
-        let bell = libm::exp(-0.5 * z * z) / (2.0 * PI).sqrt();
-        let s = self.sigma;
-        match n {
-            0 => whole,
-            1 => s * (z * whole + bell),
-            2 => 0.5 * s * s * ((z * z + 1.0) * whole + z * bell),
-            _ => s * s * s / 6.0 * ((z * z * z + 3.0 * z) * whole + (z * z + 2.0) * bell),
-        }
-    }
-}
-
-/// ∫ step(x − q²) dq from 0 on, which is the blurred root of x, and its slope.
-fn blurred_root(step: &Table, x_px: f64, reach_px: f64) -> [f64; 2] {
-    const PARTS: usize = 64;
-    let last = (x_px + reach_px).max(0.0).sqrt();
-    let width = last / PARTS as f64;
-    let mut sums = [0.0; 2];
-    // Simpson's rule.
-    for part in 0..=PARTS {
-        let weight = match part {
-            0 | PARTS => 1.0,
-            odd if odd % 2 == 1 => 4.0,
-            _ => 2.0,
-        };
-        let q = part as f64 * width;
-        let [value, slope, _] = step.at((x_px - q * q).max(-reach_px), reach_px);
-        sums[0] += weight * value;
-        sums[1] += weight * slope;
-    }
-    sums.map(|sum| sum * width / 3.0)
 }
 
 #[cfg(test)]
@@ -251,9 +224,9 @@ mod tests {
                 let root = mean(normal, sigma, x, |x| x.max(0.0).sqrt());
                 // Sums over cells are least exact of what jumps.
                 for (found, wanted, off) in [
-                    (spread.step(x), step, 1e-2),
-                    (spread.ramp(x), ramp, 3e-4),
-                    (spread.root(x), root, 3e-4),
+                    (spread.at(x).step, step, 1e-2),
+                    (spread.at(x).ramp, ramp, 3e-4),
+                    (spread.at(x).root, root, 3e-4),
                 ] {
                     assert!(
                         (found[0] - wanted).abs() < off,
@@ -268,7 +241,13 @@ mod tests {
     #[test]
     fn slopes_are_slopes_and_tables_end_smoothly() {
         let spread = Spread::new([0.8, 0.6], 0.5);
-        for shape in [Spread::step, Spread::ramp, Spread::root] {
+        let shapes: [fn(&Spread, f64) -> Shape; 4] = [
+            |spread, x| spread.at(x).step,
+            |spread, x| spread.at(x).ramp,
+            |spread, x| spread.at(x).root,
+            Spread::ramp,
+        ];
+        for shape in shapes {
             for i in -70..=70 {
                 let x = 0.1 * f64::from(i) + 0.013;
                 let h = 1e-5;

@@ -19,8 +19,10 @@ pub(crate) fn of_shadow(eye: usize, side: usize) -> usize {
 
 /// The softest lens, px².
 const MOST_BLUR_PX2: f64 = 25.0;
+/// A shadow's angle changes by no more than this share of it at a step.
+const MOST_TURN: f64 = 0.3;
 /// More than all of the rise is not one lamp's.
-const MOST_AMOUNT: f64 = 1.5;
+pub(crate) const MOST_AMOUNT: f64 = 1.5;
 
 /// Light that a limb does not get: of a lamp so far to the other side that its light ends before the limb.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,59 +98,34 @@ impl State {
         }
     }
 
-    /// Which unknowns are at the end of what they may be and would go on.
-    pub(crate) fn held(&self, score: &SVector<f64, UNKNOWNS>) -> SVector<bool, UNKNOWNS> {
-        let mut held = SVector::repeat(false);
-        // A lens cannot be sharper than sharp.
-        for (k, blur_px2) in self.blur_px2.iter().enumerate() {
-            held[ROD + k] = *blur_px2 <= 1.001 * LEAST_BLUR_PX2 && score[ROD + k] < 0.0;
-        }
-        for (eye, limbs) in self.shadows.iter().enumerate() {
-            for (side, limb) in limbs.iter().enumerate() {
-                let k = of_shadow(eye, side);
-                if let Some(Shadow {
-                    amount,
-                    angle_rad,
-                    within_rad: [low, high],
-                }) = limb
-                {
-                    let is_held = |value: f64, low: f64, high: f64, score: f64| {
-                        (value <= low + 1e-9 && score < 0.0)
-                            || (value >= high - 1e-9 && score > 0.0)
-                    };
-                    held[k] = is_held(*amount, 0.0, MOST_AMOUNT, score[k]);
-                    held[k + 1] = is_held(*angle_rad, *low, *high, score[k + 1]);
-                }
-            }
-        }
-        held
-    }
-
-    /// What may be taken of a step.
-    pub(crate) fn taken(&self, step: &SVector<f64, UNKNOWNS>) -> SVector<f64, UNKNOWNS> {
-        let mut taken = *step;
+    /// The least and the most that a step may be.
+    pub(crate) fn bounds(&self) -> [SVector<f64, UNKNOWNS>; 2] {
+        let mut least = SVector::repeat(f64::NEG_INFINITY);
+        let mut most = SVector::repeat(f64::INFINITY);
+        let mut bound = |k: usize, from: f64, to: f64| (least[k], most[k]) = (from, to);
         if self.bend_per_m.is_none() {
-            taken.fixed_rows_mut::<2>(BEND).fill(0.0);
+            bound(BEND, 0.0, 0.0);
+            bound(BEND + 1, 0.0, 0.0);
         }
-        for k in ROD..ROD + 2 {
-            let most = libm::log(MOST_BLUR_PX2 / self.blur_px2[k - ROD]);
-            let least = libm::log(LEAST_BLUR_PX2 / self.blur_px2[k - ROD]);
-            taken[k] = step[k].clamp(least.max(-2.0), most.min(2.0));
+        for (k, blur_px2) in self.blur_px2.iter().enumerate() {
+            let [from, to] = [LEAST_BLUR_PX2, MOST_BLUR_PX2].map(|end| libm::log(end / blur_px2));
+            bound(ROD + k, from.clamp(-2.0, 0.0), to.clamp(0.0, 2.0));
         }
         for (eye, limbs) in self.shadows.iter().enumerate() {
             for (side, limb) in limbs.iter().enumerate() {
                 let k = of_shadow(eye, side);
-                let Some(shadow) = limb else {
-                    (taken[k], taken[k + 1]) = (0.0, 0.0);
-                    continue;
-                };
-                taken[k] = step[k].clamp(-shadow.amount, MOST_AMOUNT - shadow.amount);
-                let [low, high] = shadow.within_rad.map(|end| end - shadow.angle_rad);
-                let most = 0.3 * shadow.angle_rad;
-                taken[k + 1] = step[k + 1].clamp(low.max(-most), high.min(most));
+                let (mut amounts, mut angles) = ([0.0; 2], [0.0; 2]);
+                if let Some(shadow) = limb {
+                    amounts = [-shadow.amount, MOST_AMOUNT - shadow.amount];
+                    let [low, high] = shadow.within_rad.map(|end| end - shadow.angle_rad);
+                    let most = MOST_TURN * shadow.angle_rad;
+                    angles = [low.clamp(-most, 0.0), high.clamp(0.0, most)];
+                }
+                bound(k, amounts[0], amounts[1]);
+                bound(k + 1, angles[0], angles[1]);
             }
         }
-        taken
+        [least, most]
     }
 
     /// By a step that may be taken.

@@ -1,0 +1,212 @@
+//! From two strips to the likeliest rod there.
+
+use rodsight_geometry::{Side, Vec3};
+
+use super::climb::{self, Fit, Prior};
+use super::contrast::{self, View};
+use super::fit::moved_px;
+use super::judge::{self, Judgement};
+use super::light::Light;
+use super::limbs::{self, Limb};
+use super::pair::{self, Candidate};
+use super::pool::{self, Block};
+use super::shadow;
+use super::state::State;
+use super::strip::Strip;
+use super::{bands, trace};
+use crate::Request;
+
+/// A rod is bent if that makes the pixels so much likelier.
+const BEND_GAIN: f64 = 12.0;
+/// To come near, a step that gains less likelihood is not worth taking.
+const ROUGH_GAIN: f64 = 4.0;
+/// Fewer blocks show no rod.
+const LEAST_BLOCKS: usize = 4;
+/// Limbs that moved farther than this, px, are looked at again where they turned out to be.
+const MOVED_PX: f64 = 0.5;
+/// A pick may miss the rod by so many radii.
+pub(super) const MOST_MISS_RADII: f64 = 0.2;
+/// χ² of a pixel of what surely is a rod.
+const SURE_MISFIT: f64 = 1.3;
+
+/// A rod that was fitted.
+pub(super) struct Located {
+    pub(super) fit: Fit,
+    pub(super) judgement: Judgement,
+    pub(super) prior: Option<Prior>,
+    /// Of each eye plus and minus.
+    pub(super) limbs: [[Limb; 2]; 2],
+}
+
+impl Located {
+    /// Whether a ray meets this rod before another; `None` where they are met together, or one is not.
+    pub(super) fn is_nearer(&self, other: &Self, (from_m, along): &(Vec3, Vec3)) -> Option<bool> {
+        let met_m = |located: &Self| {
+            let tangent = located.fit.state.tangent_at(Some(&(*from_m, *along)));
+            Some(tangent.cylinder.intersect(from_m, along)?.0)
+        };
+        let (mine_m, theirs_m) = (met_m(self)?, met_m(other)?);
+        let radius_m = |located: &Self| located.fit.state.cylinder.radius_m;
+        let apart_m = radius_m(self).min(radius_m(other));
+        ((mine_m - theirs_m).abs() > apart_m).then_some(mine_m < theirs_m)
+    }
+
+    /// Whether it surely is a rod.
+    pub(super) fn is_sure(&self) -> bool {
+        let limbs = self.limbs.iter().flatten();
+        let seen = limbs.filter(|limb| **limb == Limb::Seen).count();
+        self.fit.converged && seen == 4 && self.misfit() < SURE_MISFIT
+    }
+
+    /// Whether a ray meets the rod, or passes it nearly.
+    pub(super) fn is_met(&self, ray: &(Vec3, Vec3)) -> bool {
+        let tangent = self.fit.state.tangent_at(Some(ray)).cylinder;
+        let beyond_m = tangent.tangency_residual_m(&ray.0, &ray.1, Side::Plus);
+        beyond_m.is_some_and(|beyond_m| {
+            let gap_m = (beyond_m + tangent.radius_m).abs();
+            gap_m < (1.0 + MOST_MISS_RADII) * tangent.radius_m
+        })
+    }
+
+    /// χ² of a pixel.
+    pub(super) fn misfit(&self) -> f64 {
+        self.fit.sums.chi2 / self.fit.sums.pixels
+    }
+}
+
+/// Follows the limbs of a candidate and climbs to the likeliest rod.
+pub(super) fn refine(
+    request: &Request<'_>,
+    lights: [&Light<'_>; 2],
+    candidate: &Candidate,
+) -> Option<Located> {
+    let rig = &request.pair.rig;
+    let strips = followed(lights, candidate);
+    let known = request.radius.map(|prior| prior.radius_m);
+    let free = pair::cylinder(rig, lights, [&strips[0], &strips[1]], None);
+    let is_free = free.is_some();
+    let (cylinder, _) =
+        free.or_else(|| pair::cylinder(rig, lights, [&strips[0], &strips[1]], known))?;
+    let prior = request.radius.map(|prior| Prior {
+        radius_m: prior.radius_m,
+        sigma_m: prior.sigma_m.unwrap_or(1e-6).max(1e-6),
+    });
+    let state = State::new(cylinder, 0.1);
+    let views = [
+        contrast::view(&rig.left, lights[0], &state)?,
+        contrast::view(&rig.right, lights[1], &state)?,
+    ];
+    let pixels = Pixels { lights, views };
+    let mut blocks = pixels.blocks(&state)?;
+    let mut fit = climb::climb(
+        &state,
+        None,
+        &mut blocks,
+        prior.filter(|_| !is_free),
+        ROUGH_GAIN,
+    )?;
+    // What the limbs show without the radius that was given: it might be wrong, and pull the limbs to where none is.
+    let seen_radius = prior.filter(|_| is_free).and_then(|_| {
+        let found = limbs::limbs(&fit, &blocks);
+        judge::judge(&fit, &found, None, request.calibration.as_ref())?.seen_radius
+    });
+    fit.state.shadows = shadow::shadows(&fit, &blocks);
+    fit.state.bend_per_m = (fit.bend_gain() > BEND_GAIN).then(Vec3::zeros);
+    fit = pixels.again(fit, &state, &mut blocks, prior)?;
+    if fit.state.bend_per_m.is_some() {
+        // Its ends come into view once the bend is known.
+        blocks = pixels.blocks(&fit.state)?;
+        fit = climb::climb(&fit.state, None, &mut blocks, prior, climb::GAIN)?;
+    }
+    let mut found = limbs::limbs(&fit, &blocks);
+    let mut limbs = found.map(|eye| eye.map(|found| found.limb));
+    let is_lost = limbs.iter().flatten().any(|limb| *limb != Limb::Seen);
+    if is_lost && is_enough(limbs, prior.is_some()) {
+        for block in &mut blocks {
+            for side in (0..2).filter(|side| limbs[block.eye][*side] != Limb::Seen) {
+                block.cuts[side] = None;
+            }
+        }
+        fit = climb::climb(
+            &fit.state,
+            Some(fit.shades),
+            &mut blocks,
+            prior,
+            climb::GAIN,
+        )?;
+        // Without the others nothing checks those that are left but how they look.
+        found = limbs::limbs(&fit, &blocks);
+        for (limb, found) in limbs.iter_mut().flatten().zip(found.iter().flatten()) {
+            if *limb == Limb::Seen {
+                *limb = found.alone();
+            }
+        }
+    }
+    let mut judgement = judge::judge(&fit, &found, prior, request.calibration.as_ref())?;
+    judgement.seen_radius = seen_radius.or(judgement.seen_radius);
+    Some(Located {
+        fit,
+        judgement,
+        prior,
+        limbs,
+    })
+}
+
+/// The strips of a candidate, their edges followed through the pixels.
+fn followed(lights: [&Light<'_>; 2], candidate: &Candidate) -> [Strip; 2] {
+    let mut strips = candidate.strips;
+    for (k, strip) in strips.iter_mut().enumerate() {
+        let axis = strip.edges[0].axis;
+        let towards = strip.edges[0].normal.dot(&strip.edges[1].normal).signum();
+        for (side, edge) in strip.edges.iter_mut().enumerate() {
+            let polarity = if side == 0 { 1.0 } else { -towards };
+            let traced = trace::trace(lights[k], edge, &axis, polarity, 14)
+                .and_then(|t| trace::trace(lights[k], &t, &axis, polarity, 8));
+            if let Some(traced) = traced {
+                *edge = traced;
+            }
+        }
+    }
+    strips
+}
+
+/// How both images are looked at.
+struct Pixels<'a> {
+    lights: [&'a Light<'a>; 2],
+    views: [View; 2],
+}
+
+impl Pixels<'_> {
+    /// The pixels around the limbs of a rod.
+    fn blocks(&self, rod: &State) -> Option<Vec<Block>> {
+        let mut blocks = Vec::new();
+        for (eye, (view, light)) in self.views.iter().zip(self.lights).enumerate() {
+            let (mounted, axes) = (&view.mounted, &view.axes);
+            let stretches = bands::stretches(mounted, light, axes, rod, rod.blur_px2[eye], 1)?;
+            blocks.extend(pool::blocks(eye, &stretches));
+        }
+        (blocks.len() >= LEAST_BLOCKS).then_some(blocks)
+    }
+
+    /// Climbs on, by other pixels if the limbs have left the places where these were taken.
+    fn again(
+        &self,
+        fit: Fit,
+        taken_at: &State,
+        blocks: &mut Vec<Block>,
+        prior: Option<Prior>,
+    ) -> Option<Fit> {
+        if moved_px(blocks, taken_at, &fit.state) < MOVED_PX {
+            return climb::climb(&fit.state, Some(fit.shades), blocks, prior, climb::GAIN);
+        }
+        *blocks = self.blocks(&fit.state)?;
+        climb::climb(&fit.state, None, blocks, prior, climb::GAIN)
+    }
+}
+
+/// Whether limbs place a rod: three of them, or one in each eye and its radius.
+pub(super) fn is_enough(limbs: [[Limb; 2]; 2], is_radius_known: bool) -> bool {
+    let seen = limbs.map(|eye| eye.iter().filter(|limb| **limb == Limb::Seen).count());
+    let least = if is_radius_known { 2 } else { 3 };
+    seen[0] > 0 && seen[1] > 0 && seen[0] + seen[1] >= least
+}
