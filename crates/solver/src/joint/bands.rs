@@ -27,7 +27,7 @@ pub(crate) struct Ray {
 #[derive(Clone, Debug)]
 pub(crate) struct Rows {
     /// Of each row its first pixel's centre from the limb, px, and where its values begin.
-    rows: Vec<(f64, usize)>,
+    starts: Vec<(f64, usize)>,
     values: Vec<f64>,
     /// Where the rod is from the limb: 1 towards larger places, −1 towards smaller ones.
     pub(crate) inwards: f64,
@@ -40,9 +40,9 @@ pub(crate) struct Rows {
 impl Rows {
     /// Of each row its first pixel's centre from the limb, px, and its values.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (f64, &[f64])> {
-        let ends = self.rows.iter().skip(1).map(|row| row.1);
+        let ends = self.starts.iter().skip(1).map(|row| row.1);
         let ends = ends.chain([self.values.len()]);
-        let rows = self.rows.iter().zip(ends);
+        let rows = self.starts.iter().zip(ends);
         rows.map(|((first_px, from), to)| (*first_px, &self.values[*from..to]))
     }
 
@@ -119,7 +119,7 @@ impl Scan<'_> {
             return;
         }
         let first_px = start + first as f64 + 0.5 - limb;
-        rows.rows.push((first_px, rows.values.len()));
+        rows.starts.push((first_px, rows.values.len()));
         rows.values.extend((first..last as usize).map(|k| {
             let (column, row) = if self.by_columns {
                 (line, k)
@@ -139,7 +139,7 @@ impl Scan<'_> {
             [i.cx_px, i.cy_px]
         };
         Some(Rows {
-            rows: Vec::new(),
+            starts: Vec::new(),
             values: Vec::new(),
             inwards,
             from_centre_px: [limb - centre_px[0], along - centre_px[1]],
@@ -247,7 +247,7 @@ pub(crate) fn stretches(
                 };
                 scan.append(&mut all, row, &axes[side][..light.channels()], window);
             }
-            *limb = (!all.rows.is_empty()).then_some(all);
+            *limb = (!all.starts.is_empty()).then_some(all);
         }
         if stretch.limbs.iter().any(Option::is_some) {
             found.push(stretch);

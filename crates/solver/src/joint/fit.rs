@@ -270,7 +270,7 @@ pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades]) -> Sums {
             by_unknowns[(SHADOWS + k, of_shadow(eye, 0) + k)] = 1.0;
         }
         all.squares.push(squares);
-        all.add(eliminated(block, &local, &right, by_unknowns));
+        all.add(eliminated(block, &local, &right, &by_unknowns));
     }
     all
 }
@@ -289,7 +289,7 @@ fn eliminated(
     block: &Block,
     local: &Local,
     right: &LocalVector,
-    by_unknowns: ByUnknowns,
+    by_unknowns: &ByUnknowns,
 ) -> BlockSums {
     let mut shading = local.fixed_view::<SHADES, SHADES>(0, 0).into_owned();
     let least = 1e-7 * shading.trace() / SHADES as f64 + f64::MIN_POSITIVE;
@@ -303,7 +303,7 @@ fn eliminated(
         score: SVector::zeros(),
         shift: Shades::zeros(),
         by_seen: SMatrix::zeros(),
-        by_unknowns,
+        by_unknowns: *by_unknowns,
     };
     if let Some(factor) = shading.cholesky() {
         let cross = local.fixed_view::<SHADES, SEEN>(0, SHADES);
