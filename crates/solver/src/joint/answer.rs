@@ -18,6 +18,8 @@ const NEAR_BASELINE_RAD: f64 = 0.1;
 /// Shares of the rows that do not look as a rod's: a warning, and a refusal.
 const WARN_HIDDEN: f64 = 0.25;
 const MOST_HIDDEN: f64 = 0.6;
+/// So many limbs from which light rises softly are a warning.
+const MOST_FADED: usize = 2;
 /// Redundancies that disagree by more than one rod in a thousand by chance are a warning, by so many times that a refusal.
 const WARN_NORMAL: f64 = 3.09;
 const REFUSE_TIMES: f64 = 12.0;
@@ -33,6 +35,7 @@ pub(super) fn give(
         judgement,
         prior,
         limbs,
+        faded,
     }: &Located,
 ) -> Result<(), Refusal> {
     let rig = &request.pair.rig;
@@ -128,6 +131,11 @@ pub(super) fn give(
     }
     check(&mut o.warnings, fit, judgement)?;
     check_limbs(&mut o.warnings, *limbs, prior.is_some())?;
+    if *faded >= MOST_FADED {
+        o.warnings.push(format!(
+            "light rises softly from {faded} of the four limbs, as one lamp near the cameras makes it: they may lie farther out"
+        ));
+    }
     estimate.axis = Some(AxisEstimate {
         point_m: Some(here.fixed_rows::<3>(0).into_owned().into()),
         direction: Some(direction),

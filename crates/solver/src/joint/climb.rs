@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::fit::{Shades, Sums, moved_px, sums};
+use super::fit::{Alike, Lit, Sums, moved_px, sums};
 use super::pool::{Block, trust, usual};
 use super::state::{BEND, RADIUS, ROD, State, UNKNOWNS, of_shadow};
 
@@ -20,6 +20,12 @@ const CREPT: f64 = 4.0;
 /// Damped more, a step says nothing about how far it is.
 const MOST_DAMPING: f64 = 0.1;
 
+/// Lenses blur by so much, px², within this, as a standard deviation of its logarithm.
+const USUAL_BLUR_PX2: f64 = 0.2;
+const BLUR_SPREAD: f64 = 1.2;
+/// Both eyes' are as alike as this, as a standard deviation of their ratio's logarithm.
+const UNLIKE_SPREAD: f64 = 0.4;
+
 /// What is known of the radius, m.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Prior {
@@ -31,7 +37,7 @@ pub(crate) struct Prior {
 #[derive(Clone, Debug)]
 pub(crate) struct Fit {
     pub(crate) state: State,
-    pub(crate) shades: Vec<Shades>,
+    pub(crate) lit: Lit,
     pub(crate) sums: Sums,
     pub(crate) converged: bool,
     /// Share of the rows that look as the model says.
@@ -64,26 +70,31 @@ impl Fit {
     }
 }
 
-/// Climbs by Gauss and Newton with Levenberg's and Marquardt's damping, from a state and its shading, if that is known.
-pub(crate) fn climb(
-    start: &State,
-    shaded: Option<Vec<Shades>>,
-    blocks: &mut [Block],
-    prior: Option<Prior>,
-    enough: f64,
-) -> Option<Fit> {
-    let mut state = *start;
-    let mut shades = shaded.unwrap_or_else(|| {
+/// Where a climb begins, and what is known before it.
+#[derive(Clone, Debug)]
+pub(crate) struct Start {
+    pub(crate) state: State,
+    /// The light, if it is known.
+    pub(crate) lit: Option<Lit>,
+    pub(crate) alike: Alike,
+    pub(crate) prior: Option<Prior>,
+}
+
+/// Climbs by Gauss and Newton with Levenberg's and Marquardt's damping until what is to be gained is less than `enough`.
+pub(crate) fn climb(start: &Start, blocks: &mut [Block], enough: f64) -> Option<Fit> {
+    let Start {
+        mut state,
+        lit,
+        alike,
+        prior,
+    } = start.clone();
+    let mut lit = lit.unwrap_or_else(|| {
         // Shading first: with none all derivatives are zero.
-        let dark = vec![Shades::zeros(); blocks.len()];
-        let first = sums(&state, blocks, &dark);
-        let blocks = first.blocks.iter();
-        blocks
-            .map(|block| block.shaded(&SVector::zeros()))
-            .collect()
+        let dark = Lit::dark(blocks.len());
+        sums(&state, blocks, &dark, &alike).lit(&dark, &SVector::zeros())
     });
     let (mut damping, mut harder) = (1e-3, 2.0);
-    let mut here = sums(&state, blocks, &shades);
+    let mut here = sums(&state, blocks, &lit, &alike);
     let mut taken = 0;
     let mut converged = false;
     let mut costs = Vec::with_capacity(STEPS);
@@ -92,7 +103,7 @@ pub(crate) fn climb(
         costs.push(here.cost);
         let (mut normal, mut score) = (here.normal, here.score);
         add_prior(&mut normal, &mut score, &state, prior);
-        add_shadows(&mut normal, &mut score, &state);
+        add_known(&mut normal, &mut score, &state);
         let undamped = normal;
         // By how much a step without damping would be likelier, as far as slopes tell.
         let free = bounded(&state, &normal, &score)?;
@@ -105,20 +116,17 @@ pub(crate) fn climb(
         }
         let step = bounded(&state, &normal, &score)?;
         let next = state.moved(&step);
-        let mut next_shades = shades.clone();
-        for (shades, block) in next_shades.iter_mut().zip(&here.blocks) {
-            *shades += block.shaded(&step);
-        }
-        let there = sums(&next, blocks, &next_shades);
+        let next_lit = here.lit(&lit, &step);
+        let there = sums(&next, blocks, &next_lit, &alike);
         let cost =
-            |sums: &Sums, state: &State| sums.cost + prior_cost(state, prior) + shadow_cost(state);
+            |sums: &Sums, state: &State| sums.cost + prior_cost(state, prior) + known_cost(state);
         // Weights change with the state: the likelihood is no sharper than that.
         let better = cost(&there, &next) <= cost(&here, &state) + GAIN;
         let size2 = (step.transpose() * here.normal * step)[(0, 0)];
         if better {
             let gained = cost(&here, &state) - cost(&there, &next);
             let is_still = size2 < ENOUGH * ENOUGH || moved_px(blocks, &state, &next) < STILL_PX;
-            (state, shades, here) = (next, next_shades, there);
+            (state, lit, here) = (next, next_lit, there);
             // By how well the step's gain was foreseen (Nielsen 1999).
             let foreseen = foreseen(&undamped, &score, &step).max(f64::MIN_POSITIVE);
             let off = 2.0 * gained / foreseen - 1.0;
@@ -131,7 +139,7 @@ pub(crate) fn climb(
             }
             if taken == 2 {
                 weigh_cuts(blocks, &here);
-                here = sums(&state, blocks, &shades);
+                here = sums(&state, blocks, &lit, &alike);
             }
         } else {
             if size2 < ENOUGH * ENOUGH {
@@ -155,7 +163,7 @@ pub(crate) fn climb(
     Some(Fit {
         rows_kept,
         state,
-        shades,
+        lit,
         sums: here,
         converged,
     })
@@ -232,12 +240,26 @@ fn add_prior(
     }
 }
 
-/// What is known of shadows: their light is a share of what there is, and their angle is not to run away.
-pub(crate) fn add_shadows(
+/// What is known of blurs and shadows: how sharp lenses are, that shadows' light is a share of what there is, and that their angle is
+/// not to run away.
+pub(crate) fn add_known(
     normal: &mut SMatrix<f64, UNKNOWNS, UNKNOWNS>,
     score: &mut SVector<f64, UNKNOWNS>,
     state: &State,
 ) {
+    for (k, blur_px2) in state.blur_px2.into_iter().enumerate() {
+        let sharpness = 1.0 / (BLUR_SPREAD * BLUR_SPREAD);
+        normal[(ROD + k, ROD + k)] += sharpness;
+        score[ROD + k] -= sharpness * libm::log(blur_px2 / USUAL_BLUR_PX2);
+    }
+    let likeness = 1.0 / (UNLIKE_SPREAD * UNLIKE_SPREAD);
+    let unlike = libm::log(state.blur_px2[0] / state.blur_px2[1]);
+    for (k, sign) in [(ROD, 1.0), (ROD + 1, -1.0)] {
+        normal[(k, k)] += likeness;
+        score[k] -= sign * likeness * unlike;
+    }
+    normal[(ROD, ROD + 1)] -= likeness;
+    normal[(ROD + 1, ROD)] -= likeness;
     for (eye, limbs) in state.shadows.iter().enumerate() {
         for (side, limb) in limbs.iter().enumerate() {
             let k = of_shadow(eye, side);
@@ -250,10 +272,16 @@ pub(crate) fn add_shadows(
     }
 }
 
-fn shadow_cost(state: &State) -> f64 {
+fn known_cost(state: &State) -> f64 {
     let limbs = state.shadows.iter().flatten().flatten();
-    limbs
-        .map(|shadow| 0.5 * shadow.amount * shadow.amount)
+    let amounts = limbs.map(|shadow| shadow.amount);
+    let blurs = state.blur_px2.into_iter();
+    let blurs = blurs.map(|blur_px2| libm::log(blur_px2 / USUAL_BLUR_PX2) / BLUR_SPREAD);
+    let unlike = libm::log(state.blur_px2[0] / state.blur_px2[1]) / UNLIKE_SPREAD;
+    amounts
+        .chain(blurs)
+        .chain([unlike])
+        .map(|off| 0.5 * off * off)
         .sum()
 }
 

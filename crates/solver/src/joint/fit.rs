@@ -4,13 +4,13 @@
 //! a0 + a1 t + a2 √(1 − t²), with t the ray's distance to the axis over the radius: a matt round rod in any far light. Outside it is
 //! a slope on each side. Both are blurred by lens and pixel. Shading is linear and eliminated block by block.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, SMatrix, SVector};
 
 use rodsight_geometry::Line3;
 
 use super::bands::{REACH_PX, Ray};
 use super::pool::{Block, Cut};
-use super::shade::{BY_BLUR, BY_FAR, BY_NEAR, KNOWN, OF_FAR, OF_SHADOW, PixelModel, Shading};
+use super::shade::{self, BY_BLUR, BY_FAR, BY_NEAR, KNOWN, OF_FAR, OF_SHADOW, PixelModel};
 use super::spread::Spread;
 use super::state::{RADIUS, ROD, State, UNKNOWNS, of_shadow};
 
@@ -18,16 +18,47 @@ use super::state::{RADIUS, ROD, State, UNKNOWNS, of_shadow};
 pub(crate) const SHADES: usize = 10;
 /// Shift, turn and bow of each limb of each eye.
 pub(crate) const EDGES: usize = 12;
-/// What else a block sees: how its limbs shift, px, the blur, and of each limb the amount and the angle of a shadow.
-const SEEN: usize = 7;
+/// What else a block sees: how its limbs shift, px, the blur, of each limb the amount and the angle of a shadow, and what its shading
+/// is expected to be.
+const SEEN: usize = EXPECTED + SHADES;
 const BLUR: usize = 2;
 const SHADOWS: usize = 3;
+const EXPECTED: usize = 7;
 const LOCAL: usize = SHADES + SEEN;
+/// The mean shading of an eye's blocks, and how it changes along the limbs.
+const MEANS: usize = 2 * SHADES;
+/// The unknowns, then the edges, then the means.
+pub(crate) const ALL: usize = UNKNOWNS + EDGES + 2 * MEANS;
 
 pub(crate) type Shades = SVector<f64, SHADES>;
+pub(crate) type Shading = SMatrix<f64, SHADES, SHADES>;
 type Local = SMatrix<f64, LOCAL, LOCAL>;
 type LocalVector = SVector<f64, LOCAL>;
-type ByUnknowns = SMatrix<f64, SEEN, UNKNOWNS>;
+
+/// The light of all blocks.
+#[derive(Clone, Debug)]
+pub(crate) struct Lit {
+    pub(crate) shades: Vec<Shades>,
+    /// Of each eye what shading is in the middle of the limbs, and what it gains from there to their end.
+    pub(crate) means: [[Shades; 2]; 2],
+}
+
+impl Lit {
+    /// No light in so many blocks.
+    pub(crate) fn dark(blocks: usize) -> Self {
+        Self {
+            shades: vec![Shades::zeros(); blocks],
+            means: [[Shades::zeros(); 2]; 2],
+        }
+    }
+
+    fn expected(&self, eye: usize, along: f64) -> Shades {
+        self.means[eye][0] + self.means[eye][1] * along
+    }
+}
+
+/// How alike the shading of an eye's blocks is to what is expected: one over its covariance; zero where nothing is known.
+pub(crate) type Alike = [Shading; 2];
 
 /// h of a ray and how it changes with the rod's two shifts, two turns and two bends.
 fn distance(state: &State, ray: &Ray) -> (f64, [f64; 6]) {
@@ -120,11 +151,36 @@ pub(crate) struct Sums {
     pub(crate) pixels: f64,
     pub(crate) normal: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
     pub(crate) score: SVector<f64, UNKNOWNS>,
+    /// Of the unknowns, the edges and the means.
+    pub(crate) all: DMatrix<f64>,
     pub(crate) blocks: Vec<BlockSums>,
+    /// Means become `shift − by_unknowns · step`.
+    shift: SVector<f64, { 2 * MEANS }>,
+    by_unknowns: SMatrix<f64, { 2 * MEANS }, UNKNOWNS>,
     /// Of each limb of each eye (plus, minus) how much more likely the pixels are with it than with a slope of light in its place.
     pub(crate) evidence: [[f64; 2]; 2],
     /// Of each limb of each block its squares over its pixels.
     pub(crate) squares: Vec<[Option<f64>; 2]>,
+}
+
+impl Sums {
+    /// The light after a step of the unknowns.
+    pub(crate) fn lit(&self, before: &Lit, step: &SVector<f64, UNKNOWNS>) -> Lit {
+        let mut lit = before.clone();
+        let moved = self.shift - self.by_unknowns * step;
+        for (eye, means) in lit.means.iter_mut().enumerate() {
+            for (k, mean) in means.iter_mut().enumerate() {
+                *mean += moved.fixed_rows::<SHADES>(eye * MEANS + k * SHADES);
+            }
+        }
+        for (shades, block) in lit.shades.iter_mut().zip(&self.blocks) {
+            let first = block.eye * MEANS;
+            let expected = moved.fixed_rows::<SHADES>(first)
+                + moved.fixed_rows::<SHADES>(first + SHADES) * block.along;
+            *shades += block.shaded(step, &expected);
+        }
+        lit
+    }
 }
 
 /// What a block's pixels say of what it sees, shading eliminated.
@@ -132,42 +188,72 @@ pub(crate) struct Sums {
 pub(crate) struct BlockSums {
     eye: usize,
     along: f64,
+    blur_px2: f64,
+    /// Of shading itself, by the pixels alone.
+    pub(crate) shading: Shading,
     normal: SMatrix<f64, SEEN, SEEN>,
     score: SVector<f64, SEEN>,
     /// Shading becomes `shift − by_seen · step`.
     shift: Shades,
     by_seen: SMatrix<f64, SHADES, SEEN>,
-    by_unknowns: ByUnknowns,
+    /// How limbs shift, px.
+    by_rod: [[f64; ROD]; 2],
 }
 
 impl BlockSums {
-    /// By how much shading changes with a step.
-    pub(crate) fn shaded(&self, step: &SVector<f64, UNKNOWNS>) -> Shades {
-        self.shift - self.by_seen * (self.by_unknowns * step)
+    /// Of each that is seen of which of all it is, and how much.
+    fn of_all(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+        let bow = self.along * self.along - 1.0 / 3.0;
+        let edges = [1.0, self.along, bow];
+        let limbs = (0..2).flat_map(move |side| {
+            let by_rod = self.by_rod[side].into_iter().enumerate();
+            let first = UNKNOWNS + self.eye * EDGES / 2 + 3 * side;
+            let by_edges = edges
+                .into_iter()
+                .enumerate()
+                .map(move |(k, by)| (first + k, by));
+            by_rod.chain(by_edges).map(move |(at, by)| (side, at, by))
+        });
+        let shadow = of_shadow(self.eye, 0);
+        let shadows = (0..4).map(move |k| (SHADOWS + k, shadow + k, 1.0));
+        let first = UNKNOWNS + EDGES + self.eye * MEANS;
+        let means = (0..SHADES).flat_map(move |k| {
+            let along = (EXPECTED + k, first + SHADES + k, self.along);
+            [(EXPECTED + k, first + k, 1.0), along]
+        });
+        let blur = (BLUR, ROD + self.eye, self.blur_px2);
+        limbs.chain([blur]).chain(shadows).chain(means)
     }
 
-    /// Of the unknowns and of the limbs' edges.
-    pub(crate) fn joint(&self) -> (JointMatrix, JointVector) {
-        let mut by = SMatrix::<f64, SEEN, { UNKNOWNS + EDGES }>::zeros();
-        by.fixed_columns_mut::<UNKNOWNS>(0)
-            .copy_from(&self.by_unknowns);
-        for side in 0..2 {
-            let first = UNKNOWNS + self.eye * EDGES / 2 + 3 * side;
-            let bow = self.along * self.along - 1.0 / 3.0;
-            for (k, value) in [1.0, self.along, bow].into_iter().enumerate() {
-                by[(side, first + k)] = value;
+    /// By how much shading changes with a step and with what is expected.
+    fn shaded(&self, step: &SVector<f64, UNKNOWNS>, expected: &Shades) -> Shades {
+        let mut seen = SVector::<f64, SEEN>::zeros();
+        for (k, at, by) in self.of_all() {
+            if at < UNKNOWNS {
+                seen[k] += by * step[at];
             }
         }
-        (
-            by.transpose() * self.normal * by,
-            by.transpose() * self.score,
-        )
+        seen.fixed_rows_mut::<SHADES>(EXPECTED).copy_from(expected);
+        self.shift - self.by_seen * seen
+    }
+
+    /// Of the unknowns, the edges and the means.
+    pub(crate) fn scores(&self) -> SVector<f64, ALL> {
+        let mut scores = SVector::zeros();
+        for (k, at, by) in self.of_all() {
+            scores[at] += by * self.score[k];
+        }
+        scores
+    }
+
+    fn add_to(&self, all: &mut DMatrix<f64>) {
+        for (k, a, by_a) in self.of_all() {
+            for (l, b, by_b) in self.of_all() {
+                all[(a, b)] += by_a * self.normal[(k, l)] * by_b;
+            }
+        }
     }
 }
-
-/// Of the unknowns, then the edges.
-pub(crate) type JointMatrix = SMatrix<f64, { UNKNOWNS + EDGES }, { UNKNOWNS + EDGES }>;
-pub(crate) type JointVector = SVector<f64, { UNKNOWNS + EDGES }>;
 
 /// A limb at its middle block.
 #[derive(Clone, Copy, Debug)]
@@ -222,23 +308,26 @@ fn spreads(state: &State, blocks: &[Block]) -> [[Option<Spread>; 2]; 2] {
 }
 
 /// Sums over all pixels.
-pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades]) -> Sums {
+pub(crate) fn sums(state: &State, blocks: &[Block], lit: &Lit, alike: &Alike) -> Sums {
     let spreads = spreads(state, blocks);
-    let mut all = Sums {
+    let mut sums = Sums {
         cost: 0.0,
         chi2: 0.0,
         pixels: 0.0,
         normal: SMatrix::zeros(),
         score: SVector::zeros(),
+        all: DMatrix::zeros(ALL, ALL),
         blocks: Vec::with_capacity(blocks.len()),
+        shift: SVector::zeros(),
+        by_unknowns: SMatrix::zeros(),
         evidence: [[0.0; 2]; 2],
         squares: Vec::with_capacity(blocks.len()),
     };
-    for (block, shades) in blocks.iter().zip(shades) {
+    for (block, shades) in blocks.iter().zip(&lit.shades) {
         let mut local = Local::zeros();
         let mut right = LocalVector::zeros();
         let mut squares = [None; 2];
-        let mut by_unknowns = ByUnknowns::zeros();
+        let mut by_rod = [[0.0; ROD]; 2];
         let eye = block.eye;
         for (side, cut) in block.cuts.iter().enumerate() {
             let (Some(cut), [Some(plus), Some(minus)]) = (cut, &spreads[eye]) else {
@@ -249,71 +338,113 @@ pub(crate) fn sums(state: &State, blocks: &[Block], shades: &[Shades]) -> Sums {
             } else {
                 (minus, plus)
             };
-            let light = Shading::new(shades, side, state.shadows[eye][side], block.rise[side]);
+            let light =
+                shade::Shading::new(shades, side, state.shadows[eye][side], block.rise[side]);
             let of_cut = CutSums::new(state, cut, side, spreads, &light);
             squares[side] = Some(of_cut.squares / cut.pixels);
-            all.cost += cut.weight * of_cut.cost;
-            all.evidence[eye][side] += cut.weight * (cut.without - of_cut.cost);
-            all.chi2 += cut.weight * of_cut.chi2;
-            all.pixels += cut.weight * cut.pixels;
+            sums.cost += cut.weight * of_cut.cost;
+            sums.evidence[eye][side] += cut.weight * (cut.without - of_cut.cost);
+            sums.chi2 += cut.weight * of_cut.chi2;
+            sums.pixels += cut.weight * cut.pixels;
             of_cut.add(side, cut.weight, &mut local, &mut right);
-            for (k, by_rod) in of_cut.by_rod.into_iter().enumerate() {
-                by_unknowns[(side, k)] = by_rod;
-                // Of a rod so narrow that the other limb is felt without rows of its own.
-                if block.cuts[1 - side].is_none() {
-                    by_unknowns[(1 - side, k)] = if k == RADIUS { by_rod } else { -by_rod };
-                }
+            by_rod[side] = of_cut.by_rod;
+            // Of a rod so narrow that the other limb is felt without rows of its own.
+            if block.cuts[1 - side].is_none() {
+                by_rod[1 - side] = of_cut.by_rod.map(|by| -by);
+                by_rod[1 - side][RADIUS] = of_cut.by_rod[RADIUS];
             }
         }
-        by_unknowns[(BLUR, ROD + eye)] = state.blur_px2[eye];
-        for k in 0..4 {
-            by_unknowns[(SHADOWS + k, of_shadow(eye, 0) + k)] = 1.0;
-        }
-        all.squares.push(squares);
-        all.add(eliminated(block, &local, &right, &by_unknowns));
+        let off = shades - lit.expected(eye, block.along);
+        let shading = local.fixed_view::<SHADES, SHADES>(0, 0).into_owned();
+        sums.cost += expect(&off, &alike[eye], &mut local, &mut right);
+        let mut block = BlockSums {
+            eye,
+            along: block.along,
+            blur_px2: state.blur_px2[eye],
+            shading,
+            normal: SMatrix::zeros(),
+            score: SVector::zeros(),
+            shift: Shades::zeros(),
+            by_seen: SMatrix::zeros(),
+            by_rod,
+        };
+        block.eliminate(&local, &right);
+        block.add_to(&mut sums.all);
+        sums.blocks.push(block);
+        sums.squares.push(squares);
     }
-    all
+    sums.eliminate();
+    sums
+}
+
+/// Adds what is known of a block's shading, which is off by so much from what is expected, and says what that costs.
+fn expect(off: &Shades, alike: &Shading, local: &mut Local, right: &mut LocalVector) -> f64 {
+    let pull = alike * off;
+    let expected = SHADES + EXPECTED;
+    for (a, b, sign) in [
+        (0, 0, 1.0),
+        (0, expected, -1.0),
+        (expected, 0, -1.0),
+        (expected, expected, 1.0),
+    ] {
+        let mut part = local.fixed_view_mut::<SHADES, SHADES>(a, b);
+        part += alike * sign;
+    }
+    let mut part = right.fixed_rows_mut::<SHADES>(0);
+    part -= pull;
+    let mut part = right.fixed_rows_mut::<SHADES>(expected);
+    part += pull;
+    0.5 * off.dot(&pull)
+}
+
+impl BlockSums {
+    /// Takes over a block's sums without its shading.
+    fn eliminate(&mut self, local: &Local, right: &LocalVector) {
+        let mut shading = local.fixed_view::<SHADES, SHADES>(0, 0).into_owned();
+        let least = 1e-7 * shading.trace() / SHADES as f64 + f64::MIN_POSITIVE;
+        for i in 0..SHADES {
+            shading[(i, i)] += least;
+        }
+        if let Some(factor) = shading.cholesky() {
+            let cross = local.fixed_view::<SHADES, SEEN>(0, SHADES);
+            self.shift = factor.solve(&right.fixed_rows::<SHADES>(0));
+            self.by_seen = factor.solve(&cross);
+            let seen = local.fixed_view::<SEEN, SEEN>(SHADES, SHADES);
+            self.normal = seen - cross.transpose() * self.by_seen;
+            self.score = right.fixed_rows::<SEEN>(SHADES) - cross.transpose() * self.shift;
+        }
+    }
 }
 
 impl Sums {
-    fn add(&mut self, block: BlockSums) {
-        let by = &block.by_unknowns;
-        self.normal += by.transpose() * (block.normal * by);
-        self.score += by.transpose() * block.score;
-        self.blocks.push(block);
+    /// Fills in what is left without the means.
+    fn eliminate(&mut self) {
+        const FIRST: usize = UNKNOWNS + EDGES;
+        let mut scores = SVector::<f64, ALL>::zeros();
+        for block in &self.blocks {
+            scores += block.scores();
+        }
+        self.normal = self.all.fixed_view::<UNKNOWNS, UNKNOWNS>(0, 0).into();
+        self.score = scores.fixed_rows::<UNKNOWNS>(0).into();
+        let mut means: SMatrix<f64, { 2 * MEANS }, { 2 * MEANS }> = self
+            .all
+            .fixed_view::<{ 2 * MEANS }, { 2 * MEANS }>(FIRST, FIRST)
+            .into();
+        let largest = means.diagonal().max();
+        if largest == 0.0 {
+            return;
+        }
+        for k in 0..2 * MEANS {
+            means[(k, k)] += 1e-9 * means[(k, k)] + 1e-12 * largest;
+        }
+        if let Some(factor) = means.cholesky() {
+            let cross = self.all.fixed_view::<{ 2 * MEANS }, UNKNOWNS>(FIRST, 0);
+            self.shift = factor.solve(&scores.fixed_rows::<{ 2 * MEANS }>(FIRST));
+            self.by_unknowns = factor.solve(&cross);
+            self.normal -= cross.transpose() * self.by_unknowns;
+            self.score -= cross.transpose() * self.shift;
+        }
     }
-}
-
-/// A block's sums without its shading.
-fn eliminated(
-    block: &Block,
-    local: &Local,
-    right: &LocalVector,
-    by_unknowns: &ByUnknowns,
-) -> BlockSums {
-    let mut shading = local.fixed_view::<SHADES, SHADES>(0, 0).into_owned();
-    let least = 1e-7 * shading.trace() / SHADES as f64 + f64::MIN_POSITIVE;
-    for i in 0..SHADES {
-        shading[(i, i)] += least;
-    }
-    let mut sums = BlockSums {
-        eye: block.eye,
-        along: block.along,
-        normal: SMatrix::zeros(),
-        score: SVector::zeros(),
-        shift: Shades::zeros(),
-        by_seen: SMatrix::zeros(),
-        by_unknowns: *by_unknowns,
-    };
-    if let Some(factor) = shading.cholesky() {
-        let cross = local.fixed_view::<SHADES, SEEN>(0, SHADES);
-        sums.shift = factor.solve(&right.fixed_rows::<SHADES>(0));
-        sums.by_seen = factor.solve(&cross);
-        sums.normal =
-            local.fixed_view::<SEEN, SEEN>(SHADES, SHADES) - cross.transpose() * sums.by_seen;
-        sums.score = right.fixed_rows::<SEEN>(SHADES) - cross.transpose() * sums.shift;
-    }
-    sums
 }
 
 /// Sums over the samples of a cut.
@@ -335,7 +466,7 @@ impl CutSums {
         cut: &Cut,
         side: usize,
         (near, far): (&Spread, &Spread),
-        light: &Shading,
+        light: &shade::Shading,
     ) -> Self {
         let crossing = Crossing::new(state, cut);
         let radius_m = state.cylinder.radius_m;
@@ -497,14 +628,12 @@ mod tests {
 
     /// The likelihood of a state at its best shading, and its derivatives.
     fn profile(state: &State, blocks: &[Block]) -> Sums {
-        let mut shades = vec![Shades::zeros(); blocks.len()];
+        let unlike = Alike::default();
+        let mut lit = Lit::dark(blocks.len());
         for _ in 0..12 {
-            let here = sums(state, blocks, &shades);
-            for (shades, block) in shades.iter_mut().zip(&here.blocks) {
-                *shades += block.shaded(&SVector::zeros());
-            }
+            lit = sums(state, blocks, &lit, &unlike).lit(&lit, &SVector::zeros());
         }
-        sums(state, blocks, &shades)
+        sums(state, blocks, &lit, &unlike)
     }
 
     /// Of rods that are wide and of one so narrow that each limb is within the other's blur, behind lenses that bend lines.

@@ -2,17 +2,22 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::climb::{Fit, Prior, add_shadows};
-use super::fit::{BlockSums, EDGES, JointMatrix, JointVector};
+use super::climb::{Fit, Prior, add_known};
+use super::fit::{ALL, EDGES};
 use super::limbs::Found;
 use super::state::{BEND, RADIUS, ROD, UNKNOWNS};
 use crate::CalibrationSigma;
 
 /// What no model of light and lens is free of, px: a limb may be shifted by so much.
-const FLOOR_PX: f64 = 0.012;
+const FLOOR_PX: f64 = 0.014;
 
-/// Nor of light that rises softly from a limb without a step: a share of this, px.
-const SOFT_PX: f64 = 0.08;
+/// Twice as much of rods of this radius, px: light changes faster across them.
+const NARROW_PX: f64 = 5.0;
+
+/// Nor of light that rises softly from a limb without a step: this, px, times the square of how softly.
+const SOFT_PX: f64 = 0.15;
+/// Of limbs of blocks so many are worth of what is fitted to all of them: edges, blurs, shadows and half of their mean shading.
+const FITTED: f64 = 42.0;
 /// Nor of lenses softer than this, px: a share of what is beyond it.
 const SHARP_PX: f64 = 0.8;
 const BLURRED: f64 = 0.06;
@@ -40,23 +45,25 @@ pub(crate) fn judge(
     prior: Option<Prior>,
     calibration: Option<&CalibrationSigma>,
 ) -> Option<Judgement> {
-    let blocks: Vec<(JointMatrix, JointVector)> =
-        fit.sums.blocks.iter().map(BlockSums::joint).collect();
-    let all: JointMatrix = blocks.iter().map(|block| block.0).sum();
-    // Blurs and shadows are eliminated from the rest.
-    let blurs: Vec<usize> = (ROD..UNKNOWNS).collect();
+    // Blurs, shadows and mean shading are eliminated from the rest.
+    let nuisances: Vec<usize> = (ROD..UNKNOWNS).chain(UNKNOWNS + EDGES..ALL).collect();
     let rest: Vec<usize> = (0..ROD).chain(UNKNOWNS..UNKNOWNS + EDGES).collect();
+    let all = &fit.sums.all;
     let part = |rows: &[usize], columns: &[usize]| {
         nalgebra::DMatrix::from_fn(rows.len(), columns.len(), |i, j| all[(rows[i], columns[j])])
     };
-    let mut of_blurs = part(&blurs, &blurs);
+    let mut of_nuisances = part(&nuisances, &nuisances);
     let mut known = SMatrix::zeros();
-    add_shadows(&mut known, &mut SVector::zeros(), &fit.state);
-    for (k, at) in blurs.iter().enumerate() {
-        of_blurs[(k, k)] += 1e-9 * of_blurs[(k, k)] + 1e-12 + known[(*at, *at)];
+    add_known(&mut known, &mut SVector::zeros(), &fit.state);
+    let largest = of_nuisances.diagonal().max();
+    for k in 0..nuisances.len() {
+        of_nuisances[(k, k)] += 1e-9 * of_nuisances[(k, k)] + 1e-12 * largest;
     }
-    let gain = of_blurs.try_inverse()? * part(&blurs, &rest);
-    let joint = part(&rest, &rest) - part(&rest, &blurs) * &gain;
+    let of_unknowns = UNKNOWNS - ROD;
+    let mut part_known = of_nuisances.view_mut((0, 0), (of_unknowns, of_unknowns));
+    part_known += known.view((ROD, ROD), (of_unknowns, of_unknowns));
+    let gain = of_nuisances.cholesky()?.solve(&part(&nuisances, &rest));
+    let joint = part(&rest, &rest) - part(&rest, &nuisances) * &gain;
     let edges = Edges::from_fn(|i, j| joint[(ROD + i, ROD + j)]);
     let is_straight = fit.state.bend_per_m.is_none();
     let is_free = |k: usize| !(is_straight && (BEND..BEND + 2).contains(&k));
@@ -69,13 +76,14 @@ pub(crate) fn judge(
     // Blocks are measurements of their own: their scores' scatter is what the noise really is.
     let mut scatter = Edges::zeros();
     let mut score = SVector::<f64, EDGES>::zeros();
-    for (_, block) in &blocks {
+    for block in &fit.sums.blocks {
+        let block = block.scores();
         let of_edges = SVector::<f64, EDGES>::from_fn(|i, _| {
-            let nuisance = blurs.iter().enumerate();
-            let blur: f64 = nuisance
+            let of_nuisances = nuisances.iter().enumerate();
+            let shared: f64 = of_nuisances
                 .map(|(k, at)| gain[(k, ROD + i)] * block[*at])
                 .sum();
-            block[UNKNOWNS + i] - blur
+            block[UNKNOWNS + i] - shared
         });
         scatter += of_edges * of_edges.transpose();
         score += of_edges;
@@ -87,14 +95,20 @@ pub(crate) fn judge(
         information[(k, k)] += 1e-9 * largest;
     }
     let inverse = information.try_inverse()?;
-    let count = blocks.len() as f64;
-    let few = count / (count - 4.0).max(1.0);
-    let by_noise = inverse * scatter * inverse * few;
-    let mut of_edges = by_noise;
+    // What was fitted to them they scatter less by.
+    let count = 2.0 * fit.sums.blocks.len() as f64;
+    let few = count / (count - FITTED).max(0.25 * count);
+    let mut of_edges = no_surer(&(inverse * scatter * inverse * few), &inverse)?;
     for k in 0..EDGES {
-        let softness = limbs[k / 6][(k / 3) % 2].softness;
+        let Found {
+            softness, middle, ..
+        } = limbs[k / 6][(k / 3) % 2];
+        let narrow = middle.map_or(0.0, |middle| NARROW_PX / middle.radius_px);
         let blur_px = (fit.state.blur_px2[k / 6].sqrt() - SHARP_PX).max(0.0);
-        let floor_px = libm::hypot(FLOOR_PX + BLURRED * blur_px, SOFT_PX * softness);
+        let floor_px = libm::hypot(
+            FLOOR_PX * (1.0 + narrow) + BLURRED * blur_px,
+            SOFT_PX * softness * softness,
+        );
         of_edges[(k, k)] += FLOORS[k % 3] * floor_px * floor_px;
     }
     if let Some(calibration) = calibration {
@@ -147,6 +161,16 @@ pub(crate) fn judge(
             chi2,
             redundancies,
         })
+}
+
+/// A covariance where it is wider than another, and that other where it is not.
+fn no_surer(covariance: &Edges, least: &Edges) -> Option<Edges> {
+    let unit = least.cholesky()?.l();
+    let inverse = unit.solve_lower_triangular(&Edges::identity())?;
+    let times = inverse * covariance * inverse.transpose();
+    let mut eigen = ((times + times.transpose()) * 0.5).symmetric_eigen();
+    eigen.eigenvalues.apply(|value| *value = value.max(1.0));
+    Some(unit * eigen.recompose() * unit.transpose())
 }
 
 /// The inverse, by way of a unit diagonal: metres and radians differ by orders of magnitude.

@@ -5,16 +5,21 @@ use super::fit::{Middle, Shades};
 use super::pool::Block;
 
 /// A limb that is not this much more likely than none is not seen.
-const LEAST_EVIDENCE: f64 = 30.0;
+const LEAST_EVIDENCE: f64 = 60.0;
 /// Nor is one that is so much less plain than the plainest: models of light are not as good as that.
-const LEAST_SHARE: f64 = 1e-3;
-/// So far inside a limb, px, light is looked at.
+const LEAST_SHARE: f64 = 0.03;
+/// So far inside a limb, px and in radii, light is looked at.
 const INSIDE_PX: f64 = 4.0;
+const INSIDE: f64 = 0.12;
 /// Of light that rises ever faster inside a limb the step at it is at least this share.
 const LEAST_STEP: f64 = 0.8;
 
 /// Softer, a limb is not believed where no other would contradict it.
 const MOST_SOFTNESS: f64 = 0.6;
+/// Softer, it is little more than where light begins.
+const FADED: f64 = 0.85;
+/// On narrower rods no lamp before them ends far enough from a limb to be mistaken for it.
+const FADED_RADIUS_PX: f64 = 15.0;
 
 /// What a limb turned out to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +42,12 @@ pub(crate) struct Found {
 }
 
 impl Found {
+    /// Whether it is seen, but as little more than where light begins.
+    pub(crate) fn is_faded(&self) -> bool {
+        let is_wide = self.middle.is_some_and(|m| m.radius_px > FADED_RADIUS_PX);
+        self.limb == Limb::Seen && self.softness > FADED && is_wide
+    }
+
     /// What it is where no other limb would contradict it.
     pub(crate) fn alone(&self) -> Limb {
         if self.limb == Limb::Seen && self.softness > MOST_SOFTNESS {
@@ -54,12 +65,17 @@ pub(crate) fn limbs(fit: &Fit, blocks: &[Block]) -> [[Found; 2]; 2] {
     let least = LEAST_EVIDENCE.max(LEAST_SHARE * plainest);
     [0, 1].map(|eye| {
         [0, 1].map(|side| {
-            let all = blocks.iter().zip(&fit.shades);
+            let all = blocks.iter().zip(&fit.lit.shades);
             let mine = all.filter(|(block, _)| block.eye == eye && block.cuts[side].is_some());
             let shades: Vec<&Shades> = mine.map(|(_, shades)| shades).collect();
             let middle = Middle::of(&fit.state, blocks, eye, side);
             let radius_px = middle.map_or(1.0, |middle| middle.radius_px);
-            let rise = Rise::of(&shades, side, radius_px);
+            let mut rise = Rise::of(&shades, side, radius_px);
+            if let Some(shadow) = fit.state.shadows[eye][side] {
+                let mine = blocks.iter().filter(|block| block.eye == eye);
+                let all: f64 = mine.map(|block| block.rise[side]).sum();
+                rise.root += shadow.amount * all;
+            }
             let limb = if shades.is_empty() || evidence[eye][side] < least {
                 Limb::Unseen
             } else if rise.is_soft() {
@@ -86,6 +102,7 @@ struct Rise {
 impl Rise {
     fn of(shades: &[&Shades], side: usize, radius_px: f64) -> Self {
         let sign = if side == 0 { 1.0 } else { -1.0 };
+        let inside = INSIDE.min(INSIDE_PX / radius_px);
         let mut all = Self {
             step: 0.0,
             linear: 0.0,
@@ -94,8 +111,8 @@ impl Rise {
         for shades in shades {
             let [a0, a1, a2] = [0, 1, 2].map(|k| shades[3 * side + k]);
             all.step += a0 + sign * a1 - shades[6 + 2 * side];
-            all.linear -= sign * a1 * INSIDE_PX / radius_px;
-            all.root += a2 * (2.0 * INSIDE_PX / radius_px).sqrt();
+            all.linear -= sign * a1 * inside;
+            all.root += a2 * (2.0 * inside).sqrt();
         }
         all
     }

@@ -11,6 +11,7 @@
 //!
 //! Not in it: striped and overgrown rods whose limbs cancel, more than two views, fits of many rods at once.
 
+mod alike;
 mod answer;
 mod bands;
 mod climb;
@@ -43,7 +44,7 @@ use crate::{Estimate, Method, Request, SolveError};
 use answer::give;
 use light::Light;
 use pair::Candidate;
-use refine::{Located, is_enough};
+use refine::Located;
 use refusal::Refusal;
 use strip::Strip;
 
@@ -55,10 +56,12 @@ const STRIPS: usize = 12;
 /// for what is faint, finer for what texture hides.
 const COARSE: [(usize, usize); 3] = [(1 << 15, 256), (1 << 13, 128), (1 << 17, 512)];
 /// Rods that are fitted in turn until one fits, and what is likely enough of the likeliest to be tried.
-const TRIED: usize = 6;
+const TRIED: usize = 8;
 const LEAST_SHARE: f64 = 0.2;
+/// What is likely enough of the likeliest to be taken for it as its fit comes to rest.
+const REST_SHARE: f64 = 0.4;
 /// What is likely enough of the likeliest to be looked at where a pick may mean what is in front.
-const NEARER_SHARE: f64 = 0.4;
+const NEARER_SHARE: f64 = 0.25;
 /// Strips that are turned by less are one.
 const SAME_RAD: f64 = 0.15;
 /// Another rod that is as likely as this is a warning.
@@ -162,11 +165,15 @@ fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal>
             Some((other, before)) => {
                 let rank = |candidate, located: &Located| {
                     let is_met = ray.is_none_or(|ray| located.is_met(&ray));
-                    (is_met, located.fit.converged, worth(candidate, located))
+                    let worth = worth(candidate, located);
+                    // What is much less likely is not the better for coming to rest.
+                    let is_at_rest = located.fit.converged && worth > REST_SHARE * best.score;
+                    (is_met, is_at_rest, worth)
                 };
                 let nearer = ray.filter(|_| found.is_sure() && before.is_sure());
                 let nearer = nearer.and_then(|ray| found.is_nearer(before, &ray));
-                nearer.unwrap_or_else(|| rank(candidate, &found) > rank(other, before))
+                let by_rank = || rank(candidate, &found) > rank(other, before);
+                nearer.unwrap_or_else(by_rank)
             }
         };
         let worse = if is_better {
@@ -189,7 +196,7 @@ fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal>
     }
     let is_before = |other: &Located| {
         let is_nearer = ray.and_then(|ray| other.is_nearer(&found, &ray));
-        is_nearer == Some(true) && is_enough(other.limbs, request.radius.is_some())
+        is_nearer == Some(true) && other.is_seen_by_both()
     };
     if others.iter().any(is_before) {
         o.warnings

@@ -2,9 +2,10 @@
 
 use rodsight_geometry::{Side, Vec3};
 
-use super::climb::{self, Fit, Prior};
+use super::alike;
+use super::climb::{self, Fit, Prior, Start};
 use super::contrast::{self, View};
-use super::fit::moved_px;
+use super::fit::{Alike, moved_px};
 use super::judge::{self, Judgement};
 use super::light::Light;
 use super::limbs::{self, Limb};
@@ -36,6 +37,8 @@ pub(super) struct Located {
     pub(super) prior: Option<Prior>,
     /// Of each eye plus and minus.
     pub(super) limbs: [[Limb; 2]; 2],
+    /// From how many of the limbs that are seen light rises softly.
+    pub(super) faded: usize,
 }
 
 impl Located {
@@ -49,6 +52,11 @@ impl Located {
         let radius_m = |located: &Self| located.fit.state.cylinder.radius_m;
         let apart_m = radius_m(self).min(radius_m(other));
         ((mine_m - theirs_m).abs() > apart_m).then_some(mine_m < theirs_m)
+    }
+
+    /// Whether each eye sees a limb of it.
+    pub(super) fn is_seen_by_both(&self) -> bool {
+        self.limbs.iter().all(|eye| eye.contains(&Limb::Seen))
     }
 
     /// Whether it surely is a rod.
@@ -98,25 +106,33 @@ pub(super) fn refine(
     ];
     let pixels = Pixels { lights, views };
     let mut blocks = pixels.blocks(&state)?;
-    let mut fit = climb::climb(
-        &state,
-        None,
-        &mut blocks,
-        prior.filter(|_| !is_free),
-        ROUGH_GAIN,
-    )?;
+    let mut start = Start {
+        state,
+        lit: None,
+        alike: Alike::default(),
+        prior: prior.filter(|_| !is_free),
+    };
+    let mut fit = climb::climb(&start, &mut blocks, ROUGH_GAIN)?;
     // What the limbs show without the radius that was given: it might be wrong, and pull the limbs to where none is.
     let seen_radius = prior.filter(|_| is_free).and_then(|_| {
         let found = limbs::limbs(&fit, &blocks);
         judge::judge(&fit, &found, None, request.calibration.as_ref())?.seen_radius
     });
+    let is_far = moved_px(&blocks, &state, &fit.state) > MOVED_PX;
+    let (alike, lit) = alike::alike(&fit, &blocks);
+    (start.alike, start.prior) = (alike, prior);
     fit.state.shadows = shadow::shadows(&fit, &blocks);
     fit.state.bend_per_m = (fit.bend_gain() > BEND_GAIN).then(Vec3::zeros);
-    fit = pixels.again(fit, &state, &mut blocks, prior)?;
+    (start.state, start.lit) = (fit.state, Some(lit));
+    if is_far {
+        (blocks, start.lit) = (pixels.blocks(&fit.state)?, None);
+    }
+    fit = climb::climb(&start, &mut blocks, climb::GAIN)?;
     if fit.state.bend_per_m.is_some() {
         // Its ends come into view once the bend is known.
         blocks = pixels.blocks(&fit.state)?;
-        fit = climb::climb(&fit.state, None, &mut blocks, prior, climb::GAIN)?;
+        (start.state, start.lit) = (fit.state, None);
+        fit = climb::climb(&start, &mut blocks, climb::GAIN)?;
     }
     let mut found = limbs::limbs(&fit, &blocks);
     let mut limbs = found.map(|eye| eye.map(|found| found.limb));
@@ -127,13 +143,8 @@ pub(super) fn refine(
                 block.cuts[side] = None;
             }
         }
-        fit = climb::climb(
-            &fit.state,
-            Some(fit.shades),
-            &mut blocks,
-            prior,
-            climb::GAIN,
-        )?;
+        (start.state, start.lit) = (fit.state, Some(fit.lit));
+        fit = climb::climb(&start, &mut blocks, climb::GAIN)?;
         // Without the others nothing checks those that are left but how they look.
         found = limbs::limbs(&fit, &blocks);
         for (limb, found) in limbs.iter_mut().flatten().zip(found.iter().flatten()) {
@@ -144,7 +155,9 @@ pub(super) fn refine(
     }
     let mut judgement = judge::judge(&fit, &found, prior, request.calibration.as_ref())?;
     judgement.seen_radius = seen_radius.or(judgement.seen_radius);
+    let faded = found.iter().flatten().filter(|found| found.is_faded());
     Some(Located {
+        faded: faded.count(),
         fit,
         judgement,
         prior,
@@ -186,21 +199,6 @@ impl Pixels<'_> {
             blocks.extend(pool::blocks(eye, &stretches));
         }
         (blocks.len() >= LEAST_BLOCKS).then_some(blocks)
-    }
-
-    /// Climbs on, by other pixels if the limbs have left the places where these were taken.
-    fn again(
-        &self,
-        fit: Fit,
-        taken_at: &State,
-        blocks: &mut Vec<Block>,
-        prior: Option<Prior>,
-    ) -> Option<Fit> {
-        if moved_px(blocks, taken_at, &fit.state) < MOVED_PX {
-            return climb::climb(&fit.state, Some(fit.shades), blocks, prior, climb::GAIN);
-        }
-        *blocks = self.blocks(&fit.state)?;
-        climb::climb(&fit.state, None, blocks, prior, climb::GAIN)
     }
 }
 

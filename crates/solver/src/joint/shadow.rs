@@ -2,7 +2,7 @@
 
 use super::bands::INSIDE_PX;
 use super::climb::Fit;
-use super::fit::{Middle, sums};
+use super::fit::{Alike, Middle, sums};
 use super::pool::Block;
 use super::state::{MOST_AMOUNT, ROD, Shadow, of_shadow};
 
@@ -33,7 +33,7 @@ pub(crate) fn shadows(fit: &Fit, blocks: &[Block]) -> [[Option<Shadow>; 2]; 2] {
                 })
             })
         });
-        let here = sums(&state, blocks, &fit.shades);
+        let here = sums(&state, blocks, &fit.lit, &Alike::default());
         // Of each alone, with the rod and the blurs as free as before.
         let free = here
             .normal
