@@ -100,7 +100,7 @@ fn solve_in_words_is_for_people() {
         "axis point, m",
         "axis direction",
         "grasp, m",
-        "radius 49.",
+        "radius 50.",
         "x forward",
     ] {
         assert!(run.done().contains(text), "{text} in {run:?}");
