@@ -17,6 +17,8 @@ pub(crate) const GAIN: f64 = 0.1;
 /// Who gains less than this by the last so many steps is there.
 const CREEPS: usize = 12;
 const CREPT: f64 = 4.0;
+/// Or less than this share: where the model fits badly, likelihoods say less.
+const CREPT_SHARE: f64 = 0.002;
 /// Damped more, a step says nothing about how far it is.
 const MOST_DAMPING: f64 = 0.1;
 
@@ -154,7 +156,8 @@ pub(crate) fn climb(start: &Start, blocks: &mut [Block], enough: f64) -> Option<
         }
     }
     // What creeps is as good as there.
-    converged |= taken == STEPS && costs[STEPS - CREEPS] - here.cost < CREPT;
+    let crept = CREPT.max(CREPT_SHARE * here.cost);
+    converged |= taken == STEPS && costs[STEPS - CREEPS] - here.cost < crept;
     let cuts = || blocks.iter().flat_map(|block| block.cuts.iter().flatten());
     let kept = cuts().filter(|cut| cut.weight > 0.5);
     let kept: usize = kept.map(|cut| cut.rows_kept).sum();

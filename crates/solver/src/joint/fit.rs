@@ -30,6 +30,9 @@ const MEANS: usize = 2 * SHADES;
 /// The unknowns, then the edges, then the means.
 pub(crate) const ALL: usize = UNKNOWNS + EDGES + 2 * MEANS;
 
+/// What a block sees stands for so many of them: both limbs for the rod and their edges, blur, shadows, and means.
+const OF_ALL: usize = 2 * ROD + 5 + MEANS + EDGES / 2;
+
 pub(crate) type Shades = SVector<f64, SHADES>;
 pub(crate) type Shading = SMatrix<f64, SHADES, SHADES>;
 type Local = SMatrix<f64, LOCAL, LOCAL>;
@@ -151,8 +154,6 @@ pub(crate) struct Sums {
     pub(crate) pixels: f64,
     pub(crate) normal: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
     pub(crate) score: SVector<f64, UNKNOWNS>,
-    /// Of the unknowns, the edges and the means.
-    pub(crate) all: DMatrix<f64>,
     pub(crate) blocks: Vec<BlockSums>,
     /// Means become `shift − by_unknowns · step`.
     shift: SVector<f64, { 2 * MEANS }>,
@@ -201,28 +202,37 @@ pub(crate) struct BlockSums {
 }
 
 impl BlockSums {
-    /// Of each that is seen of which of all it is, and how much.
-    fn of_all(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+    /// Of each that is seen of which of all it is, and how much; the edges last.
+    fn of_all(&self) -> [(usize, usize, f64); OF_ALL] {
+        let mut found = [(0, 0, 0.0); OF_ALL];
+        let mut places = found.iter_mut();
+        let mut put = |seen, at, by| {
+            if let Some(place) = places.next() {
+                *place = (seen, at, by);
+            }
+        };
+        for (side, by_rod) in self.by_rod.iter().enumerate() {
+            for (k, by) in by_rod.iter().enumerate() {
+                put(side, k, *by);
+            }
+        }
+        put(BLUR, ROD + self.eye, self.blur_px2);
+        for k in 0..4 {
+            put(SHADOWS + k, of_shadow(self.eye, 0) + k, 1.0);
+        }
+        let means = UNKNOWNS + EDGES + self.eye * MEANS;
+        for k in 0..SHADES {
+            put(EXPECTED + k, means + k, 1.0);
+            put(EXPECTED + k, means + SHADES + k, self.along);
+        }
         let bow = self.along * self.along - 1.0 / 3.0;
-        let edges = [1.0, self.along, bow];
-        let limbs = (0..2).flat_map(move |side| {
-            let by_rod = self.by_rod[side].into_iter().enumerate();
+        for side in 0..2 {
             let first = UNKNOWNS + self.eye * EDGES / 2 + 3 * side;
-            let by_edges = edges
-                .into_iter()
-                .enumerate()
-                .map(move |(k, by)| (first + k, by));
-            by_rod.chain(by_edges).map(move |(at, by)| (side, at, by))
-        });
-        let shadow = of_shadow(self.eye, 0);
-        let shadows = (0..4).map(move |k| (SHADOWS + k, shadow + k, 1.0));
-        let first = UNKNOWNS + EDGES + self.eye * MEANS;
-        let means = (0..SHADES).flat_map(move |k| {
-            let along = (EXPECTED + k, first + SHADES + k, self.along);
-            [(EXPECTED + k, first + k, 1.0), along]
-        });
-        let blur = (BLUR, ROD + self.eye, self.blur_px2);
-        limbs.chain([blur]).chain(shadows).chain(means)
+            for (k, by) in [1.0, self.along, bow].into_iter().enumerate() {
+                put(side, first + k, by);
+            }
+        }
+        found
     }
 
     /// By how much shading changes with a step and with what is expected.
@@ -246,10 +256,14 @@ impl BlockSums {
         scores
     }
 
-    fn add_to(&self, all: &mut DMatrix<f64>) {
-        for (k, a, by_a) in self.of_all() {
-            for (l, b, by_b) in self.of_all() {
-                all[(a, b)] += by_a * self.normal[(k, l)] * by_b;
+    /// Adds the first of all to one triangle of their matrix.
+    fn add_to(&self, all: &mut DMatrix<f64>, first: usize) {
+        let of_all = self.of_all();
+        let of_all = &of_all[..first];
+        for (i, (k, a, by_a)) in of_all.iter().enumerate() {
+            for (j, (l, b, by_b)) in of_all.iter().enumerate().skip(i) {
+                let twice = if i != j && a == b { 2.0 } else { 1.0 };
+                all[((*a).max(*b), (*a).min(*b))] += twice * by_a * self.normal[(*k, *l)] * by_b;
             }
         }
     }
@@ -316,7 +330,6 @@ pub(crate) fn sums(state: &State, blocks: &[Block], lit: &Lit, alike: &Alike) ->
         pixels: 0.0,
         normal: SMatrix::zeros(),
         score: SVector::zeros(),
-        all: DMatrix::zeros(ALL, ALL),
         blocks: Vec::with_capacity(blocks.len()),
         shift: SVector::zeros(),
         by_unknowns: SMatrix::zeros(),
@@ -369,11 +382,10 @@ pub(crate) fn sums(state: &State, blocks: &[Block], lit: &Lit, alike: &Alike) ->
             by_rod,
         };
         block.eliminate(&local, &right);
-        block.add_to(&mut sums.all);
         sums.blocks.push(block);
         sums.squares.push(squares);
     }
-    sums.eliminate();
+    sums.eliminate(*alike != Alike::default());
     sums
 }
 
@@ -417,17 +429,32 @@ impl BlockSums {
 }
 
 impl Sums {
+    /// Of the unknowns, the edges and the means.
+    pub(crate) fn all(&self) -> DMatrix<f64> {
+        self.first_of_all(OF_ALL)
+    }
+
+    fn first_of_all(&self, first: usize) -> DMatrix<f64> {
+        let mut all = DMatrix::zeros(ALL, ALL);
+        for block in &self.blocks {
+            block.add_to(&mut all, first);
+        }
+        all.fill_upper_triangle_with_lower_triangle();
+        all
+    }
+
     /// Fills in what is left without the means.
-    fn eliminate(&mut self) {
+    fn eliminate(&mut self, is_expected: bool) {
         const FIRST: usize = UNKNOWNS + EDGES;
+        let means = if is_expected { MEANS } else { 0 };
+        let all = self.first_of_all(2 * ROD + 5 + means);
         let mut scores = SVector::<f64, ALL>::zeros();
         for block in &self.blocks {
             scores += block.scores();
         }
-        self.normal = self.all.fixed_view::<UNKNOWNS, UNKNOWNS>(0, 0).into();
+        self.normal = all.fixed_view::<UNKNOWNS, UNKNOWNS>(0, 0).into();
         self.score = scores.fixed_rows::<UNKNOWNS>(0).into();
-        let mut means: SMatrix<f64, { 2 * MEANS }, { 2 * MEANS }> = self
-            .all
+        let mut means: SMatrix<f64, { 2 * MEANS }, { 2 * MEANS }> = all
             .fixed_view::<{ 2 * MEANS }, { 2 * MEANS }>(FIRST, FIRST)
             .into();
         let largest = means.diagonal().max();
@@ -438,7 +465,7 @@ impl Sums {
             means[(k, k)] += 1e-9 * means[(k, k)] + 1e-12 * largest;
         }
         if let Some(factor) = means.cholesky() {
-            let cross = self.all.fixed_view::<{ 2 * MEANS }, UNKNOWNS>(FIRST, 0);
+            let cross = all.fixed_view::<{ 2 * MEANS }, UNKNOWNS>(FIRST, 0);
             self.shift = factor.solve(&scores.fixed_rows::<{ 2 * MEANS }>(FIRST));
             self.by_unknowns = factor.solve(&cross);
             self.normal -= cross.transpose() * self.by_unknowns;

@@ -48,7 +48,7 @@ pub(crate) fn judge(
     // Blurs, shadows and mean shading are eliminated from the rest.
     let nuisances: Vec<usize> = (ROD..UNKNOWNS).chain(UNKNOWNS + EDGES..ALL).collect();
     let rest: Vec<usize> = (0..ROD).chain(UNKNOWNS..UNKNOWNS + EDGES).collect();
-    let all = &fit.sums.all;
+    let all = fit.sums.all();
     let part = |rows: &[usize], columns: &[usize]| {
         nalgebra::DMatrix::from_fn(rows.len(), columns.len(), |i, j| all[(rows[i], columns[j])])
     };

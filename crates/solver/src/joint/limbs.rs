@@ -19,7 +19,7 @@ const MOST_SOFTNESS: f64 = 0.6;
 /// Softer, it is little more than where light begins.
 const FADED: f64 = 0.85;
 /// On narrower rods no lamp before them ends far enough from a limb to be mistaken for it.
-const FADED_RADIUS_PX: f64 = 15.0;
+const FADED_RADIUS_PX: f64 = 12.0;
 
 /// What a limb turned out to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,6 +8,8 @@ use super::sums::Edge;
 
 /// Sections of an edge.
 const SECTIONS: usize = 32;
+/// Places along an edge are so far from each other, px.
+const STEP_PX: f64 = 2.0;
 /// Of the derivative of a Gaussian that finds a step, px.
 const SMOOTH_PX: f64 = 1.5;
 
@@ -31,7 +33,7 @@ pub(crate) fn trace(
     let mut found: Vec<(f64, f64, f64)> = Vec::with_capacity(SECTIONS);
     for section in 0..SECTIONS {
         let [s0, s1] = [section, section + 1].map(|k| k as f64 * length_px / SECTIONS as f64);
-        let steps = ((s1 - s0).ceil() as usize).max(1);
+        let steps = (((s1 - s0) / STEP_PX).ceil() as usize).max(1);
         let mut profile = vec![0.0; offsets];
         let mut counts = vec![0.0; offsets];
         for step in 0..steps {
