@@ -5,8 +5,8 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use super::block::{Alike, Lit};
 use super::climb::Fit;
-use super::fit::{Alike, Lit};
 use super::pool::Block;
 
 /// Shading of a limb: three inside, two outside.
@@ -144,4 +144,59 @@ fn trend<'a>(points: impl Iterator<Item = (&'a Told, Vector)>) -> Option<[Vector
     }
     let det = w * wxx - wx * wx;
     (det > 1e-9 * w * w).then(|| [(wy * wxx - wxy * wx) / det, (wxy * w - wy * wx) / det])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nearly normal: the sum of twelve numbers of a congruential sequence.
+    fn normal(state: &mut u64) -> f64 {
+        let uniform = |state: &mut u64| {
+            *state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (*state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform(state)).sum::<f64>() - 6.0
+    }
+
+    /// Blocks that differ in one way, or in none but what noise makes of them: that is told from what is theirs, though not all of it.
+    #[test]
+    fn blocks_differ_by_what_they_differ() {
+        const SIGMA: f64 = 0.1;
+        let (middle, slope) = (
+            Vector::new(1.0, -0.2, 0.5, 0.3, 0.0),
+            Vector::new(0.4, 0.0, 0.2, 0.0, 0.1),
+        );
+        for own in [0.0, 3.0] {
+            let mut state = 7;
+            let told = (0..60).map(|k| {
+                let along = f64::from(k) / 30.0 - 1.0;
+                let mut shades = middle + slope * along;
+                shades += Vector::from_fn(|_, _| SIGMA * normal(&mut state));
+                shades[0] += own * SIGMA * normal(&mut state);
+                Told {
+                    along,
+                    weight: 1.0,
+                    information: Matrix::identity() / (SIGMA * SIGMA),
+                    shades,
+                }
+            });
+            let (precision, means) = learned(told.collect()).expect("enough blocks");
+            let spread = precision.try_inverse().expect("a covariance") / (SIGMA * SIGMA);
+            if own > 0.0 {
+                assert!(
+                    (0.6..1.6).contains(&(spread[(0, 0)] / (own * own))),
+                    "{spread}"
+                );
+            } else {
+                assert!(spread[(0, 0)] < 0.75, "{spread}");
+            }
+            assert!((1..OF_LIMB).all(|k| spread[(k, k)] < 0.75), "{spread}");
+            let off = (means[0] - middle).norm().max((means[1] - slope).norm());
+            assert!(off < 0.2 * (1.0 + own), "{off}");
+        }
+        assert!(learned(Vec::new()).is_none());
+    }
 }

@@ -2,7 +2,9 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::fit::{Alike, Lit, Sums, moved_px, sums};
+use super::block::{Alike, Lit};
+use super::crossing::moved_px;
+use super::fit::{Sums, sums};
 use super::pool::{Block, trust, usual};
 use super::state::{BEND, RADIUS, ROD, State, UNKNOWNS, of_shadow};
 

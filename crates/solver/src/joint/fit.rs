@@ -6,144 +6,15 @@
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-use rodsight_geometry::Line3;
-
-use super::bands::{REACH_PX, Ray};
+use super::block::{
+    ALL, Alike, BLUR, BlockSums, EDGES, Lit, Local, LocalVector, MEANS, OF_ALL, RIGID, SHADES,
+    SHADOWS,
+};
+use super::crossing::{Crossing, spreads};
 use super::pool::{Block, Cut};
 use super::shade::{self, BY_BLUR, BY_FAR, BY_NEAR, KNOWN, OF_FAR, OF_SHADOW, PixelModel};
 use super::spread::Spread;
-use super::state::{RADIUS, ROD, State, UNKNOWNS, of_shadow};
-
-/// Shading of a block: three inside each limb, then two outside each.
-pub(crate) const SHADES: usize = 10;
-/// Shift, turn and bow of each limb of each eye.
-pub(crate) const EDGES: usize = 12;
-/// What else a block sees: how its limbs shift, px, the blur, of each limb the amount and the angle of a shadow, and what its shading
-/// is expected to be.
-const SEEN: usize = EXPECTED + SHADES;
-const BLUR: usize = 2;
-const SHADOWS: usize = 3;
-const EXPECTED: usize = 7;
-const LOCAL: usize = SHADES + SEEN;
-/// The mean shading of an eye's blocks, and how it changes along the limbs.
-const MEANS: usize = 2 * SHADES;
-/// The unknowns, then the edges, then the means.
-pub(crate) const ALL: usize = UNKNOWNS + EDGES + 2 * MEANS;
-
-/// What a block sees stands for so many of them: both limbs for the rod and their edges, blur, shadows, and means.
-const OF_ALL: usize = 2 * ROD + 5 + MEANS + EDGES / 2;
-
-pub(crate) type Shades = SVector<f64, SHADES>;
-pub(crate) type Shading = SMatrix<f64, SHADES, SHADES>;
-type Local = SMatrix<f64, LOCAL, LOCAL>;
-type LocalVector = SVector<f64, LOCAL>;
-
-/// The light of all blocks.
-#[derive(Clone, Debug)]
-pub(crate) struct Lit {
-    pub(crate) shades: Vec<Shades>,
-    /// Of each eye what shading is in the middle of the limbs, and what it gains from there to their end.
-    pub(crate) means: [[Shades; 2]; 2],
-}
-
-impl Lit {
-    /// No light in so many blocks.
-    pub(crate) fn dark(blocks: usize) -> Self {
-        Self {
-            shades: vec![Shades::zeros(); blocks],
-            means: [[Shades::zeros(); 2]; 2],
-        }
-    }
-
-    fn expected(&self, eye: usize, along: f64) -> Shades {
-        self.means[eye][0] + self.means[eye][1] * along
-    }
-}
-
-/// How alike the shading of an eye's blocks is to what is expected: one over its covariance; zero where nothing is known.
-pub(crate) type Alike = [Shading; 2];
-
-/// h of a ray and how it changes with the rod's two shifts, two turns and two bends.
-fn distance(state: &State, ray: &Ray) -> (f64, [f64; 6]) {
-    let mut axis = state.cylinder.axis;
-    // Where along the axis it is nearest to the ray: a bent one is as straight there as its tangent.
-    let mut along_m = nearest_m(&axis, ray);
-    if state.bend_per_m.is_some() {
-        for _ in 0..2 {
-            axis = state.tangent(along_m).axis;
-            along_m += nearest_m(&axis, ray);
-        }
-        axis = state.tangent(along_m).axis;
-    } else {
-        axis.point_m += axis.direction * along_m;
-    }
-    let (point_m, direction) = (axis.point_m, axis.direction);
-    let m = ray.direction.cross(&direction);
-    let norm = m.norm().max(1e-12);
-    let unit = m / norm;
-    let q = point_m - ray.origin_m;
-    let h = q.dot(&unit);
-    let turn = (q - unit * h).cross(&ray.direction) / norm;
-    let mut slopes = [0.0; 6];
-    for (k, across) in state.across.iter().enumerate() {
-        let (shifted, turned) = (unit.dot(across), turn.dot(across));
-        slopes[k] = shifted;
-        slopes[2 + k] = turned + along_m * shifted;
-        slopes[4 + k] = along_m * (turned + 0.5 * along_m * shifted);
-    }
-    (h, slopes)
-}
-
-/// How far along an axis from its point it is nearest to a ray.
-fn nearest_m(axis: &Line3, ray: &Ray) -> f64 {
-    let w = axis.point_m - ray.origin_m;
-    let cos = axis.direction.dot(&ray.direction);
-    let square = ray.direction.norm_squared();
-    let sin2 = (square - cos * cos).max(1e-9 * square);
-    (cos * w.dot(&ray.direction) - square * w.dot(&axis.direction)) / sin2
-}
-
-/// A cut as the present rod crosses it.
-struct Crossing {
-    /// h = h0 + h1 δ + h2 δ² at δ px from the cut's middle.
-    h: [f64; 3],
-    /// Its derivatives at the middle.
-    slopes: [f64; 6],
-    /// |∇h|, m/px.
-    per_px: f64,
-    /// Unit normal of the limb in the image, as the image is scanned: across, along.
-    normal: [f64; 2],
-}
-
-impl Crossing {
-    fn new(state: &State, cut: &Cut) -> Self {
-        let at = |k: usize| distance(state, &cut.rays[k]).0;
-        let (h0, slopes) = distance(state, &cut.rays[1]);
-        let (before, after) = (at(0), at(2));
-        let h1 = (after - before) / (2.0 * REACH_PX);
-        let h2 = (after - 2.0 * h0 + before) / (2.0 * REACH_PX * REACH_PX);
-        let up = 0.5 * (at(4) - at(3));
-        let per_px = libm::hypot(h1, up);
-        Self {
-            h: [h0, h1, h2],
-            slopes,
-            per_px,
-            normal: [h1 / per_px, up / per_px],
-        }
-    }
-}
-
-/// By how many pixels limbs differ at most.
-pub(crate) fn moved_px(blocks: &[Block], from: &State, to: &State) -> f64 {
-    let thicker_m = (to.cylinder.radius_m - from.cylinder.radius_m).abs();
-    let cuts = blocks.iter().flat_map(|block| block.cuts.iter().flatten());
-    let moved = cuts.map(|cut| {
-        let here = Crossing::new(from, cut);
-        let there_m = distance(to, &cut.rays[1]).0;
-        ((there_m - here.h[0]).abs() + thicker_m) / here.per_px
-    });
-    moved.fold(0.0, f64::max)
-}
+use super::state::{RADIUS, ROD, State, UNKNOWNS};
 
 /// All that the pixels say about a state, shading eliminated.
 #[derive(Clone, Debug)]
@@ -182,143 +53,6 @@ impl Sums {
         }
         lit
     }
-}
-
-/// What a block's pixels say of what it sees, shading eliminated.
-#[derive(Clone, Debug)]
-pub(crate) struct BlockSums {
-    eye: usize,
-    along: f64,
-    blur_px2: f64,
-    /// Of shading itself, by the pixels alone.
-    pub(crate) shading: Shading,
-    normal: SMatrix<f64, SEEN, SEEN>,
-    score: SVector<f64, SEEN>,
-    /// Shading becomes `shift − by_seen · step`.
-    shift: Shades,
-    by_seen: SMatrix<f64, SHADES, SEEN>,
-    /// How limbs shift, px.
-    by_rod: [[f64; ROD]; 2],
-}
-
-impl BlockSums {
-    /// Of each that is seen of which of all it is, and how much; the edges last.
-    fn of_all(&self) -> [(usize, usize, f64); OF_ALL] {
-        let mut found = [(0, 0, 0.0); OF_ALL];
-        let mut places = found.iter_mut();
-        let mut put = |seen, at, by| {
-            if let Some(place) = places.next() {
-                *place = (seen, at, by);
-            }
-        };
-        for (side, by_rod) in self.by_rod.iter().enumerate() {
-            for (k, by) in by_rod.iter().enumerate() {
-                put(side, k, *by);
-            }
-        }
-        put(BLUR, ROD + self.eye, self.blur_px2);
-        for k in 0..4 {
-            put(SHADOWS + k, of_shadow(self.eye, 0) + k, 1.0);
-        }
-        let means = UNKNOWNS + EDGES + self.eye * MEANS;
-        for k in 0..SHADES {
-            put(EXPECTED + k, means + k, 1.0);
-            put(EXPECTED + k, means + SHADES + k, self.along);
-        }
-        let bow = self.along * self.along - 1.0 / 3.0;
-        for side in 0..2 {
-            let first = UNKNOWNS + self.eye * EDGES / 2 + 3 * side;
-            for (k, by) in [1.0, self.along, bow].into_iter().enumerate() {
-                put(side, first + k, by);
-            }
-        }
-        found
-    }
-
-    /// By how much shading changes with a step and with what is expected.
-    fn shaded(&self, step: &SVector<f64, UNKNOWNS>, expected: &Shades) -> Shades {
-        let mut seen = SVector::<f64, SEEN>::zeros();
-        for (k, at, by) in self.of_all() {
-            if at < UNKNOWNS {
-                seen[k] += by * step[at];
-            }
-        }
-        seen.fixed_rows_mut::<SHADES>(EXPECTED).copy_from(expected);
-        self.shift - self.by_seen * seen
-    }
-
-    /// Of the unknowns, the edges and the means.
-    pub(crate) fn scores(&self) -> SVector<f64, ALL> {
-        let mut scores = SVector::zeros();
-        for (k, at, by) in self.of_all() {
-            scores[at] += by * self.score[k];
-        }
-        scores
-    }
-
-    /// Adds the first of all to one triangle of their matrix.
-    fn add_to(&self, all: &mut DMatrix<f64>, first: usize) {
-        let of_all = self.of_all();
-        let of_all = &of_all[..first];
-        for (i, (k, a, by_a)) in of_all.iter().enumerate() {
-            for (j, (l, b, by_b)) in of_all.iter().enumerate().skip(i) {
-                let twice = if i != j && a == b { 2.0 } else { 1.0 };
-                all[((*a).max(*b), (*a).min(*b))] += twice * by_a * self.normal[(*k, *l)] * by_b;
-            }
-        }
-    }
-}
-
-/// A limb at its middle block.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Middle {
-    /// The rod's radius, px.
-    pub(crate) radius_px: f64,
-    /// Unit vector inwards, across and along as the image is scanned.
-    pub(crate) inwards: [f64; 2],
-    /// From the principal point, across and along, px; and along from −1 to 1.
-    pub(crate) from_centre_px: [f64; 2],
-    pub(crate) along: f64,
-    /// Half of the length from −1 to 1, px.
-    pub(crate) half_px: f64,
-}
-
-impl Middle {
-    pub(crate) fn of(state: &State, blocks: &[Block], eye: usize, side: usize) -> Option<Self> {
-        let (block, cut) = middle_cut(blocks, eye, side)?;
-        let crossing = Crossing::new(state, cut);
-        let sign = if side == 0 { -1.0 } else { 1.0 };
-        Some(Self {
-            radius_px: state.cylinder.radius_m / crossing.per_px,
-            inwards: crossing.normal.map(|v| sign * v),
-            from_centre_px: cut.from_centre_px,
-            along: block.along,
-            half_px: block.half_px,
-        })
-    }
-}
-
-fn middle_cut(blocks: &[Block], eye: usize, side: usize) -> Option<(&Block, &Cut)> {
-    let mut cuts = blocks
-        .iter()
-        .filter(|block| block.eye == eye)
-        .filter_map(|block| Some((block, block.cuts[side].as_ref()?)));
-    let count = cuts.clone().count();
-    cuts.nth(count / 2)
-}
-
-/// The shading and the present spreads of an eye's limbs.
-fn spreads(state: &State, blocks: &[Block]) -> [[Option<Spread>; 2]; 2] {
-    let normal = |eye: usize, side: usize| {
-        Some(Crossing::new(state, middle_cut(blocks, eye, side)?.1).normal)
-    };
-    [0, 1].map(|eye| {
-        [0, 1].map(|side| {
-            normal(eye, side)
-                .or_else(|| normal(eye, 1 - side))
-                .map(|normal| Spread::new(normal, state.blur_px2[eye]))
-        })
-    })
 }
 
 /// Sums over all pixels.
@@ -368,64 +102,20 @@ pub(crate) fn sums(state: &State, blocks: &[Block], lit: &Lit, alike: &Alike) ->
             }
         }
         let off = shades - lit.expected(eye, block.along);
-        let shading = local.fixed_view::<SHADES, SHADES>(0, 0).into_owned();
-        sums.cost += expect(&off, &alike[eye], &mut local, &mut right);
-        let mut block = BlockSums {
-            eye,
-            along: block.along,
-            blur_px2: state.blur_px2[eye],
-            shading,
-            normal: SMatrix::zeros(),
-            score: SVector::zeros(),
-            shift: Shades::zeros(),
-            by_seen: SMatrix::zeros(),
+        let sums_of = (&mut local, &mut right);
+        let (block, cost) = BlockSums::new(
+            block,
+            state.blur_px2[eye],
             by_rod,
-        };
-        block.eliminate(&local, &right);
+            sums_of,
+            (&off, &alike[eye]),
+        );
+        sums.cost += cost;
         sums.blocks.push(block);
         sums.squares.push(squares);
     }
     sums.eliminate(*alike != Alike::default());
     sums
-}
-
-/// Adds what is known of a block's shading, which is off by so much from what is expected, and says what that costs.
-fn expect(off: &Shades, alike: &Shading, local: &mut Local, right: &mut LocalVector) -> f64 {
-    let pull = alike * off;
-    let expected = SHADES + EXPECTED;
-    for (a, b, sign) in [
-        (0, 0, 1.0),
-        (0, expected, -1.0),
-        (expected, 0, -1.0),
-        (expected, expected, 1.0),
-    ] {
-        let mut part = local.fixed_view_mut::<SHADES, SHADES>(a, b);
-        part += alike * sign;
-    }
-    let mut part = right.fixed_rows_mut::<SHADES>(0);
-    part -= pull;
-    let mut part = right.fixed_rows_mut::<SHADES>(expected);
-    part += pull;
-    0.5 * off.dot(&pull)
-}
-
-impl BlockSums {
-    /// Takes over a block's sums without its shading.
-    fn eliminate(&mut self, local: &Local, right: &LocalVector) {
-        let mut shading = local.fixed_view::<SHADES, SHADES>(0, 0).into_owned();
-        let least = 1e-7 * shading.trace() / SHADES as f64 + f64::MIN_POSITIVE;
-        for i in 0..SHADES {
-            shading[(i, i)] += least;
-        }
-        if let Some(factor) = shading.cholesky() {
-            let cross = local.fixed_view::<SHADES, SEEN>(0, SHADES);
-            self.shift = factor.solve(&right.fixed_rows::<SHADES>(0));
-            self.by_seen = factor.solve(&cross);
-            let seen = local.fixed_view::<SEEN, SEEN>(SHADES, SHADES);
-            self.normal = seen - cross.transpose() * self.by_seen;
-            self.score = right.fixed_rows::<SEEN>(SHADES) - cross.transpose() * self.shift;
-        }
-    }
 }
 
 impl Sums {
@@ -447,7 +137,7 @@ impl Sums {
     fn eliminate(&mut self, is_expected: bool) {
         const FIRST: usize = UNKNOWNS + EDGES;
         let means = if is_expected { MEANS } else { 0 };
-        let all = self.first_of_all(2 * ROD + 5 + means);
+        let all = self.first_of_all(RIGID + means);
         let mut scores = SVector::<f64, ALL>::zeros();
         for block in &self.blocks {
             scores += block.scores();
@@ -593,10 +283,11 @@ mod tests {
         Vec3,
     };
 
-    use super::super::bands::stretches;
+    use super::super::bands::{Ray, stretches};
+    use super::super::crossing::distance;
     use super::super::light::Light;
     use super::super::pool::{self, Block};
-    use super::super::state::{BEND, Shadow};
+    use super::super::state::{BEND, Shadow, of_shadow};
     use super::*;
     use crate::Roi;
 

@@ -2,8 +2,8 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use super::block::{ALL, EDGES};
 use super::climb::{Fit, Prior, add_known};
-use super::fit::{ALL, EDGES};
 use super::limbs::Found;
 use super::state::{BEND, RADIUS, ROD, UNKNOWNS};
 use crate::CalibrationSigma;

@@ -1,7 +1,8 @@
 //! Which limbs are seen as limbs.
 
+use super::block::Shades;
 use super::climb::Fit;
-use super::fit::{Middle, Shades};
+use super::crossing::Middle;
 use super::pool::Block;
 
 /// A limb that is not this much more likely than none is not seen.

@@ -1,10 +1,11 @@
 //! The best we can do: limbs found without a threshold in all colours, then one fit of the rod to the pixels of both images.
 //!
 //! From coarse to fine: `light` bins, `radon` and `sums` find edges in all colours at once, `strip` pairs them, `pair` matches strips of
-//! both eyes; `trace` and `contrast` look closer. Then the likelihood: `bands` are the pixels around the limbs and `noise` what they
-//! weigh, `state` is what is unknown, `spread` and `shade` the light of a pixel, `fit` the sums over all of them, `climb` their
-//! maximum; `shadow` and `limbs` look at what the light inside a limb says of lamps, and whether it is a limb at all. Last `judge`, the
-//! covariance and the redundancies, and `answer`.
+//! both eyes; `refine` takes one match to the likeliest rod there. In it `trace` and `contrast` look closer. Then the likelihood: `bands`
+//! are the pixels around the limbs, `noise` what they weigh, and `pool` what neighbouring rows say together; `state` is what is unknown,
+//! `moments`, `spread` and `shade` the light of a pixel, `crossing` where it is, `block` and `fit` the sums over all, `climb` their maximum; `alike` learns how
+//! shading changes along the limbs; `shadow` and `limbs` look at what the light inside a limb says of lamps, and whether it is a limb at
+//! all. Last `judge`, the covariance and the redundancies, and `answer`.
 //!
 //! Each limb has its own axis of colours and its own light inside, block by block: lamps beside the cameras end in shadows that no one
 //! profile across the rod holds.
@@ -14,8 +15,10 @@
 mod alike;
 mod answer;
 mod bands;
+mod block;
 mod climb;
 mod contrast;
+mod crossing;
 mod fit;
 mod judge;
 mod light;

@@ -3,9 +3,10 @@
 use rodsight_geometry::{Side, Vec3};
 
 use super::alike;
+use super::block::Alike;
 use super::climb::{self, Fit, Prior, Start};
 use super::contrast::{self, View};
-use super::fit::{Alike, moved_px};
+use super::crossing::moved_px;
 use super::judge::{self, Judgement};
 use super::light::Light;
 use super::limbs::{self, Limb};

@@ -1,7 +1,7 @@
 //! The light of a pixel near a limb, and how it changes with all that is unknown.
 
 use super::bands::REACH_PX;
-use super::fit::Shades;
+use super::block::Shades;
 use super::spread::{Shapes, Spread};
 use super::state::Shadow;
 

@@ -1,8 +1,10 @@
 //! Where a lamp's light ends before a limb.
 
 use super::bands::INSIDE_PX;
+use super::block::Alike;
 use super::climb::Fit;
-use super::fit::{Alike, Middle, sums};
+use super::crossing::Middle;
+use super::fit::sums;
 use super::pool::Block;
 use super::state::{MOST_AMOUNT, ROD, Shadow, of_shadow};
 
