@@ -154,19 +154,8 @@ pub(crate) fn draft(kind: &str, seed: u64) -> Draft {
         }
         "hidden" => hide(scene, dice, &target),
         "snow" => {
-            for _ in 0..(dice.log_within(30.0, 2000.0) as usize) {
-                let forward_m = dice.within(0.3, 3.0);
-                let span = 0.7 * forward_m;
-                scene.balls.push(Ball {
-                    centre_m: Vec3::new(
-                        forward_m,
-                        dice.within(-span - 0.5, span + 0.5),
-                        dice.within(-span, span) - 1.0,
-                    ),
-                    radius_m: dice.log_within(0.0003, 0.003),
-                    colour: [0.3, 0.35, 0.35],
-                });
-            }
+            let flakes = dice.log_within(30.0, 2000.0) as usize;
+            snow(scene, dice, flakes);
         }
         "bent" => {
             let sagitta = dice.within(0.0, 0.03);
@@ -236,6 +225,23 @@ pub(crate) fn draft(kind: &str, seed: u64) -> Draft {
         _ => {}
     }
     draft
+}
+
+/// Flakes between the cameras and 3 m ahead of them.
+pub(crate) fn snow(scene: &mut Scene, dice: &mut Dice, flakes: usize) {
+    for _ in 0..flakes {
+        let forward_m = dice.within(0.3, 3.0);
+        let span = 0.7 * forward_m;
+        scene.balls.push(Ball {
+            centre_m: Vec3::new(
+                forward_m,
+                dice.within(-span - 0.5, span + 0.5),
+                dice.within(-span, span) - 1.0,
+            ),
+            radius_m: dice.log_within(0.0003, 0.003),
+            colour: [0.3, 0.35, 0.35],
+        });
+    }
 }
 
 /// Balls before up to three fifths of the rod.

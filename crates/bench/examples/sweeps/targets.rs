@@ -6,6 +6,7 @@ use rodsight_geometry::{
 use rodsight_solver::CalibrationSigma;
 
 use crate::painted::draft::{Dice, Draft, Trial};
+use crate::painted::kinds;
 use crate::painted::limbs::Limbs;
 use crate::painted::painter::{Ball, Random, Scene, Texture, rig};
 
@@ -202,19 +203,7 @@ pub(crate) fn bend(trial: &mut Trial, value: f64) {
 
 pub(crate) fn snow(trial: &mut Trial, value: f64) {
     let mut dice = own_dice(&trial.scene);
-    for _ in 0..value as usize {
-        let forward_m = dice.within(0.3, 3.0);
-        let span = 0.7 * forward_m;
-        trial.scene.balls.push(Ball {
-            centre_m: Vec3::new(
-                forward_m,
-                dice.within(-span - 0.5, span + 0.5),
-                dice.within(-span, span) - 1.0,
-            ),
-            radius_m: dice.log_within(0.0003, 0.003),
-            colour: [0.3, 0.35, 0.35],
-        });
-    }
+    kinds::snow(&mut trial.scene, &mut dice, value as usize);
 }
 
 /// Rods of the same colour beside it in the image and to 0.8 m behind it, 0.1 to 0.5 m from surface to surface.
