@@ -32,7 +32,7 @@ struct Told {
 /// Learns from a fit that knows nothing of it; the light with the means that were found.
 pub(crate) fn alike(fit: &Fit, blocks: &[Block]) -> (Alike, Lit) {
     let (mut alike, mut lit) = (Alike::default(), fit.lit.clone());
-    for (eye, (alike, means)) in alike.iter_mut().zip(&mut lit.means).enumerate() {
+    for (eye, (alike, means)) in alike.blocks.iter_mut().zip(&mut lit.means).enumerate() {
         for side in 0..2 {
             let places: [usize; OF_LIMB] = [
                 3 * side,

@@ -154,6 +154,17 @@ impl Scan<'_> {
     }
 }
 
+/// What is looked at around a limb.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Window {
+    /// How far inside, px; more through softer lenses, as outside.
+    pub(crate) inside_px: f64,
+    pub(crate) blur_px2: f64,
+    /// Every so many-th row of a block, and every so many-th block.
+    pub(crate) row_step: usize,
+    pub(crate) block_step: usize,
+}
+
 /// Where a limb is seen in the direction across, at a row.
 struct LimbLine {
     /// across = at + slope (along − from).
@@ -162,18 +173,18 @@ struct LimbLine {
     slope: f64,
 }
 
-/// The stretches of an eye around where a rod's limbs are seen, of every so many-th row.
+/// The stretches of an eye around where a rod's limbs are seen.
 pub(crate) fn stretches(
     mounted: &MountedCamera,
     light: &Light<'_>,
     axes: &[[f64; 3]; 2],
     rod: &State,
-    blur_px2: f64,
-    stride: usize,
+    window: &Window,
 ) -> Option<Vec<Stretch>> {
     // A softer lens spreads a limb wider.
-    let softness_px = SOFT_REACH * blur_px2.sqrt();
-    let (inside_px, outside_px) = (INSIDE_PX.max(softness_px), REACH_PX.max(softness_px + 2.0));
+    let softness_px = SOFT_REACH * window.blur_px2.sqrt();
+    let inside_px = window.inside_px.max(softness_px);
+    let outside_px = REACH_PX.max(softness_px + 2.0);
     let middle = limb_pixels(mounted, rod, 0.0)?;
     let step = limb_pixels(mounted, rod, 0.02 * distance_m(mounted, rod))?;
     let direction = step[0] - middle[0] + step[1] - middle[1];
@@ -213,7 +224,7 @@ pub(crate) fn stretches(
     let half = 0.5 * rows as f64;
     let last_row = first_row + rows;
     let mut found = Vec::new();
-    for from in (first_row..last_row).step_by(BLOCK_ROWS) {
+    for from in (first_row..last_row).step_by(BLOCK_ROWS * window.block_step) {
         let to = (from + BLOCK_ROWS).min(last_row);
         if to - from < BLOCK_ROWS / 3 {
             continue;
@@ -234,7 +245,7 @@ pub(crate) fn stretches(
             let Some(mut all) = scan.none(here, along, inwards) else {
                 continue;
             };
-            for row in (from..to).step_by(stride) {
+            for row in (from..to).step_by(window.row_step) {
                 let Some(places) = limbs(row as f64 + 0.5) else {
                     continue;
                 };

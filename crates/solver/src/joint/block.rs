@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::pool::Block;
-use super::state::{ROD, UNKNOWNS, of_shadow};
+use super::state::{LAMPS, ROD, State, UNKNOWNS, of_shadow};
 
 /// Shading of a block: three inside each limb, then two outside each.
 pub(crate) const SHADES: usize = 10;
@@ -54,8 +54,16 @@ impl Lit {
     }
 }
 
-/// How alike the shading of an eye's blocks is to what is expected: one over its covariance; zero where nothing is known.
-pub(crate) type Alike = [Shading; 2];
+/// What is known of the shading of each eye before its pixels; zero where nothing is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Alike {
+    /// Of how blocks differ from what is expected, one over the covariance.
+    pub(crate) blocks: [Shading; 2],
+    /// Of the means and of what they gain, one over the covariance of each.
+    pub(crate) means: [Shading; 2],
+    /// Of each block by itself, one over the covariance.
+    pub(crate) each: [Shading; 2],
+}
 
 /// What a block's pixels say of what it sees, shading eliminated.
 #[derive(Clone, Debug)]
@@ -63,6 +71,7 @@ pub(crate) struct BlockSums {
     pub(crate) eye: usize,
     pub(crate) along: f64,
     blur_px2: f64,
+    is_by_lamps: bool,
     /// Of shading itself, by the pixels alone.
     pub(crate) shading: Shading,
     normal: SMatrix<f64, SEEN, SEEN>,
@@ -78,15 +87,17 @@ impl BlockSums {
     /// Eliminates the shading of a block that is off by so much from what is expected, and says what that costs.
     pub(crate) fn new(
         block: &Block,
-        blur_px2: f64,
+        state: &State,
         by_rod: [[f64; ROD]; 2],
         (local, right): (&mut Local, &mut LocalVector),
-        (off, alike): (&Shades, &Shading),
+        (shades, expected): (&Shades, &Shades),
+        alike: &Alike,
     ) -> (Self, f64) {
         let mut sums = Self {
             eye: block.eye,
             along: block.along,
-            blur_px2,
+            blur_px2: state.blur_px2[block.eye],
+            is_by_lamps: state.lamps_rad[0].is_some(),
             shading: local.fixed_view::<SHADES, SHADES>(0, 0).into_owned(),
             normal: SMatrix::zeros(),
             score: SVector::zeros(),
@@ -94,7 +105,14 @@ impl BlockSums {
             by_seen: SMatrix::zeros(),
             by_rod,
         };
-        let cost = expect(off, alike, local, right);
+        let each = &alike.each[block.eye];
+        let pull = each * shades;
+        let mut cost = 0.5 * shades.dot(&pull);
+        let mut part = local.fixed_view_mut::<SHADES, SHADES>(0, 0);
+        part += each;
+        let mut part = right.fixed_rows_mut::<SHADES>(0);
+        part -= pull;
+        cost += expect(&(shades - expected), &alike.blocks[block.eye], local, right);
         sums.eliminate(local, right);
         (sums, cost)
     }
@@ -115,7 +133,13 @@ impl BlockSums {
         }
         put(BLUR, ROD + self.eye, self.blur_px2);
         for k in 0..4 {
-            put(SHADOWS + k, of_shadow(self.eye, 0) + k, 1.0);
+            // Lamps are the same for all limbs: their derivatives stand where those of a shadow would.
+            let at = if self.is_by_lamps {
+                LAMPS + k % 2
+            } else {
+                of_shadow(self.eye, 0) + k
+            };
+            put(SHADOWS + k, at, 1.0);
         }
         let means = UNKNOWNS + EDGES + self.eye * MEANS;
         for k in 0..SHADES {

@@ -44,6 +44,8 @@ pub(crate) struct Fit {
     pub(crate) lit: Lit,
     pub(crate) sums: Sums,
     pub(crate) converged: bool,
+    /// How many samples were fitted.
+    pub(crate) samples: usize,
     /// Share of the rows that look as the model says.
     pub(crate) rows_kept: f64,
 }
@@ -166,6 +168,7 @@ pub(crate) fn climb(start: &Start, blocks: &mut [Block], enough: f64) -> Option<
     let rows: usize = cuts().map(|cut| cut.rows).sum();
     let rows_kept = kept as f64 / rows.max(1) as f64;
     Some(Fit {
+        samples: cuts().map(|cut| cut.samples.len()).sum(),
         rows_kept,
         state,
         lit,

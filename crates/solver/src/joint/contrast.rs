@@ -2,13 +2,18 @@
 
 use rodsight_geometry::{Band, MountedCamera};
 
-use super::bands::{Rows, stretches};
+use super::bands::{INSIDE_PX, Rows, Window, stretches};
 use super::light::Light;
 use super::noise;
 use super::state::State;
 
-/// Rows are enough for a median if they are every so many-th.
-const STRIDE: usize = 4;
+/// A few rows are enough for a median.
+const WINDOW: Window = Window {
+    inside_px: INSIDE_PX,
+    blur_px2: 0.0,
+    row_step: 4,
+    block_step: 1,
+};
 
 /// How an eye is looked through.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +40,7 @@ pub(crate) fn view(mounted: &MountedCamera, light: &Light<'_>, rod: &State) -> O
         let mut unit = [0.0; 3];
         unit[channel] = 1.0;
         let mounted = in_band(channel);
-        let stretches = stretches(&mounted, light, &[unit; 2], rod, 0.0, STRIDE)?;
+        let stretches = stretches(&mounted, light, &[unit; 2], rod, &WINDOW)?;
         for (side, axis) in found.iter_mut().enumerate() {
             let rows = || {
                 stretches

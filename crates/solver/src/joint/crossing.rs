@@ -3,6 +3,7 @@
 use rodsight_geometry::Line3;
 
 use super::bands::{REACH_PX, Ray};
+use super::lamp::Lamp;
 use super::pool::{Block, Cut};
 use super::spread::Spread;
 use super::state::State;
@@ -102,6 +103,8 @@ pub(crate) struct Middle {
     pub(crate) along: f64,
     /// Half of the length from −1 to 1, px.
     pub(crate) half_px: f64,
+    /// The lamps that the rod's light is taken for that of.
+    pub(crate) lamps: [Option<Lamp>; 2],
 }
 
 impl Middle {
@@ -115,6 +118,7 @@ impl Middle {
             from_centre_px: cut.from_centre_px,
             along: block.along,
             half_px: block.half_px,
+            lamps: Lamp::of(state, &cut.rays[1], -sign),
         })
     }
 }

@@ -8,9 +8,10 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::block::{
     ALL, Alike, BLUR, BlockSums, EDGES, Lit, Local, LocalVector, MEANS, OF_ALL, RIGID, SHADES,
-    SHADOWS,
+    SHADOWS, Shading,
 };
 use super::crossing::{Crossing, spreads};
+use super::lamp::Lamp;
 use super::pool::{Block, Cut};
 use super::shade::{self, BY_BLUR, BY_FAR, BY_NEAR, KNOWN, OF_FAR, OF_SHADOW, PixelModel};
 use super::spread::Spread;
@@ -26,6 +27,9 @@ pub(crate) struct Sums {
     pub(crate) normal: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
     pub(crate) score: SVector<f64, UNKNOWNS>,
     pub(crate) blocks: Vec<BlockSums>,
+    /// Of what is known of the means, one over the covariance, and the score.
+    known_means: [Shading; 2],
+    pub(crate) of_means: SVector<f64, { 2 * MEANS }>,
     /// Means become `shift − by_unknowns · step`.
     shift: SVector<f64, { 2 * MEANS }>,
     by_unknowns: SMatrix<f64, { 2 * MEANS }, UNKNOWNS>,
@@ -65,6 +69,8 @@ pub(crate) fn sums(state: &State, blocks: &[Block], lit: &Lit, alike: &Alike) ->
         normal: SMatrix::zeros(),
         score: SVector::zeros(),
         blocks: Vec::with_capacity(blocks.len()),
+        known_means: alike.means,
+        of_means: SVector::zeros(),
         shift: SVector::zeros(),
         by_unknowns: SMatrix::zeros(),
         evidence: [[0.0; 2]; 2],
@@ -85,8 +91,10 @@ pub(crate) fn sums(state: &State, blocks: &[Block], lit: &Lit, alike: &Alike) ->
             } else {
                 (minus, plus)
             };
-            let light =
-                shade::Shading::new(shades, side, state.shadows[eye][side], block.rise[side]);
+            let sign = if side == 0 { 1.0 } else { -1.0 };
+            let shadow = (state.shadows[eye][side], block.rise[side]);
+            let lamps = Lamp::of(state, &cut.rays[1], sign);
+            let light = shade::Shading::new(shades, side, shadow, lamps);
             let of_cut = CutSums::new(state, cut, side, spreads, &light);
             squares[side] = Some(of_cut.squares / cut.pixels);
             sums.cost += cut.weight * of_cut.cost;
@@ -101,20 +109,24 @@ pub(crate) fn sums(state: &State, blocks: &[Block], lit: &Lit, alike: &Alike) ->
                 by_rod[1 - side][RADIUS] = of_cut.by_rod[RADIUS];
             }
         }
-        let off = shades - lit.expected(eye, block.along);
+        let expected = lit.expected(eye, block.along);
         let sums_of = (&mut local, &mut right);
-        let (block, cost) = BlockSums::new(
-            block,
-            state.blur_px2[eye],
-            by_rod,
-            sums_of,
-            (&off, &alike[eye]),
-        );
+        let (block, cost) =
+            BlockSums::new(block, state, by_rod, sums_of, (shades, &expected), alike);
         sums.cost += cost;
         sums.blocks.push(block);
         sums.squares.push(squares);
     }
-    sums.eliminate(*alike != Alike::default());
+    for (eye, (known, means)) in alike.means.iter().zip(&lit.means).enumerate() {
+        for (k, mean) in means.iter().enumerate() {
+            let pull = known * mean;
+            sums.cost += 0.5 * mean.dot(&pull);
+            sums.of_means
+                .fixed_rows_mut::<SHADES>(eye * MEANS + k * SHADES)
+                .copy_from(&-pull);
+        }
+    }
+    sums.eliminate(alike.blocks != Alike::default().blocks);
     sums
 }
 
@@ -129,6 +141,13 @@ impl Sums {
         for block in &self.blocks {
             block.add_to(&mut all, first);
         }
+        for (eye, known) in self.known_means.iter().enumerate() {
+            for k in 0..2 {
+                let at = UNKNOWNS + EDGES + eye * MEANS + k * SHADES;
+                let mut part = all.view_mut((at, at), (SHADES, SHADES));
+                part += known;
+            }
+        }
         all.fill_upper_triangle_with_lower_triangle();
         all
     }
@@ -142,6 +161,8 @@ impl Sums {
         for block in &self.blocks {
             scores += block.scores();
         }
+        let mut of_means = scores.fixed_rows_mut::<{ 2 * MEANS }>(FIRST);
+        of_means += self.of_means;
         self.normal = all.fixed_view::<UNKNOWNS, UNKNOWNS>(0, 0).into();
         self.score = scores.fixed_rows::<UNKNOWNS>(0).into();
         let mut means: SMatrix<f64, { 2 * MEANS }, { 2 * MEANS }> = all
@@ -208,10 +229,12 @@ impl CutSums {
             radius_px: radius_m * per_m,
             light,
         };
-        let known = match (is_narrow, light.shadow) {
-            (true, _) => KNOWN,
-            (false, Some(_)) => OF_FAR,
-            (false, None) => OF_SHADOW,
+        let known = if is_narrow {
+            KNOWN
+        } else if light.shadow.is_some() || light.lamps[0].is_some() {
+            OF_FAR
+        } else {
+            OF_SHADOW
         };
         let [s0, s1, s2, s3, s5, s6] = crossing.slopes.map(|slope| -sign * per_m * slope);
         let mut sums = Self {
@@ -283,7 +306,7 @@ mod tests {
         Vec3,
     };
 
-    use super::super::bands::{Ray, stretches};
+    use super::super::bands::{INSIDE_PX, Ray, Window, stretches};
     use super::super::crossing::distance;
     use super::super::light::Light;
     use super::super::pool::{self, Block};
@@ -365,7 +388,13 @@ mod tests {
                 let image = image(mounted, &truth);
                 let light = Light::of(&image, WHOLE);
                 let axes = [[1.0, 0.0, 0.0]; 2];
-                let found = stretches(mounted, &light, &axes, &State::new(truth, 0.1), 0.1, 1);
+                let window = Window {
+                    inside_px: INSIDE_PX,
+                    blur_px2: 0.1,
+                    row_step: 1,
+                    block_step: 1,
+                };
+                let found = stretches(mounted, &light, &axes, &State::new(truth, 0.1), &window);
                 all.extend(pool::blocks(eye, &found.expect("stretches")));
                 let cuts = all.iter_mut().flat_map(|block: &mut Block| &mut block.cuts);
                 for sample in cuts.flatten().flat_map(|cut| &mut cut.samples) {

@@ -88,6 +88,14 @@ pub(crate) fn judge(
         scatter += of_edges * of_edges.transpose();
         score += of_edges;
     }
+    // What is known of mean shading pulls as well.
+    let first = nuisances.len() - fit.sums.of_means.len();
+    for (i, score) in score.iter_mut().enumerate() {
+        let pulls = fit.sums.of_means.iter().enumerate();
+        *score -= pulls
+            .map(|(k, pull)| gain[(first + k, ROD + i)] * pull)
+            .sum::<f64>();
+    }
     // A limb that is not seen says nothing.
     let mut information = edges;
     let largest = edges.diagonal().max();
@@ -100,9 +108,11 @@ pub(crate) fn judge(
     let few = count / (count - FITTED).max(0.25 * count);
     let mut of_edges = no_surer(&(inverse * scatter * inverse * few), &inverse)?;
     for k in 0..EDGES {
+        let found = limbs[k / 6][(k / 3) % 2];
         let Found {
             softness, middle, ..
-        } = limbs[k / 6][(k / 3) % 2];
+        } = found;
+        let softness = if found.is_explained() { 0.0 } else { softness };
         let narrow = middle.map_or(0.0, |middle| NARROW_PX / middle.radius_px);
         let blur_px = (fit.state.blur_px2[k / 6].sqrt() - SHARP_PX).max(0.0);
         let floor_px = libm::hypot(

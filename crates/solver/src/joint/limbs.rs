@@ -3,6 +3,7 @@
 use super::block::Shades;
 use super::climb::Fit;
 use super::crossing::Middle;
+use super::lamp::Lamp;
 use super::pool::Block;
 
 /// A limb that is not this much more likely than none is not seen.
@@ -46,12 +47,17 @@ impl Found {
     /// Whether it is seen, but as little more than where light begins.
     pub(crate) fn is_faded(&self) -> bool {
         let is_wide = self.middle.is_some_and(|m| m.radius_px > FADED_RADIUS_PX);
-        self.limb == Limb::Seen && self.softness > FADED && is_wide
+        self.limb == Limb::Seen && self.softness > FADED && is_wide && !self.is_explained()
+    }
+
+    /// Whether a lamp explains how light rises from it.
+    pub(crate) fn is_explained(&self) -> bool {
+        self.middle.is_some_and(|middle| middle.lamps[0].is_some())
     }
 
     /// What it is where no other limb would contradict it.
     pub(crate) fn alone(&self) -> Limb {
-        if self.limb == Limb::Seen && self.softness > MOST_SOFTNESS {
+        if self.limb == Limb::Seen && self.softness > MOST_SOFTNESS && !self.is_explained() {
             Limb::Soft
         } else {
             self.limb
@@ -71,7 +77,8 @@ pub(crate) fn limbs(fit: &Fit, blocks: &[Block]) -> [[Found; 2]; 2] {
             let shades: Vec<&Shades> = mine.map(|(_, shades)| shades).collect();
             let middle = Middle::of(&fit.state, blocks, eye, side);
             let radius_px = middle.map_or(1.0, |middle| middle.radius_px);
-            let mut rise = Rise::of(&shades, side, radius_px);
+            let lamps = middle.map_or([None; 2], |middle| middle.lamps);
+            let mut rise = Rise::of(&shades, side, radius_px, &lamps);
             if let Some(shadow) = fit.state.shadows[eye][side] {
                 let mine = blocks.iter().filter(|block| block.eye == eye);
                 let all: f64 = mine.map(|block| block.rise[side]).sum();
@@ -79,7 +86,7 @@ pub(crate) fn limbs(fit: &Fit, blocks: &[Block]) -> [[Found; 2]; 2] {
             }
             let limb = if shades.is_empty() || evidence[eye][side] < least {
                 Limb::Unseen
-            } else if rise.is_soft() {
+            } else if rise.is_soft() && fit.state.lamps_rad[0].is_none() {
                 Limb::Soft
             } else {
                 Limb::Seen
@@ -101,7 +108,7 @@ struct Rise {
 }
 
 impl Rise {
-    fn of(shades: &[&Shades], side: usize, radius_px: f64) -> Self {
+    fn of(shades: &[&Shades], side: usize, radius_px: f64, lamps: &[Option<Lamp>; 2]) -> Self {
         let sign = if side == 0 { 1.0 } else { -1.0 };
         let inside = INSIDE.min(INSIDE_PX / radius_px);
         let mut all = Self {
@@ -111,9 +118,18 @@ impl Rise {
         };
         for shades in shades {
             let [a0, a1, a2] = [0, 1, 2].map(|k| shades[3 * side + k]);
-            all.step += a0 + sign * a1 - shades[6 + 2 * side];
-            all.linear -= sign * a1 * inside;
-            all.root += a2 * (2.0 * inside).sqrt();
+            all.step += a0 - shades[6 + 2 * side];
+            if lamps[0].is_none() {
+                all.step += sign * a1;
+                all.linear -= sign * a1 * inside;
+                all.root += a2 * (2.0 * inside).sqrt();
+            }
+            // A lamp's light steps at the limb if it is on that side.
+            for (lamp, amount) in lamps.iter().flatten().zip([a2, a1]) {
+                let (sin, cos) = libm::sincos(lamp.psi_rad);
+                all.step += sin.max(0.0) * amount;
+                all.root += cos.max(0.0) * amount * (2.0 * inside).sqrt();
+            }
         }
         all
     }

@@ -21,6 +21,7 @@ mod contrast;
 mod crossing;
 mod fit;
 mod judge;
+mod lamp;
 mod light;
 mod limbs;
 mod moments;

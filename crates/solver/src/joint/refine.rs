@@ -3,19 +3,20 @@
 use rodsight_geometry::{Side, Vec3};
 
 use super::alike;
+use super::bands::{INSIDE_PX, Window};
 use super::block::Alike;
 use super::climb::{self, Fit, Prior, Start};
 use super::contrast::{self, View};
 use super::crossing::moved_px;
 use super::judge::{self, Judgement};
 use super::light::Light;
-use super::limbs::{self, Limb};
+use super::limbs::{self, Found, Limb};
 use super::pair::{self, Candidate};
 use super::pool::{self, Block};
 use super::shadow;
 use super::state::State;
 use super::strip::Strip;
-use super::{bands, trace};
+use super::{bands, lamp, trace};
 use crate::Request;
 
 /// A rod is bent if that makes the pixels so much likelier.
@@ -105,7 +106,11 @@ pub(super) fn refine(
         contrast::view(&rig.left, lights[0], &state)?,
         contrast::view(&rig.right, lights[1], &state)?,
     ];
-    let pixels = Pixels { lights, views };
+    let pixels = Pixels {
+        lights,
+        views,
+        inside_px: INSIDE_PX,
+    };
     let mut blocks = pixels.blocks(&state)?;
     let mut start = Start {
         state,
@@ -136,6 +141,12 @@ pub(super) fn refine(
         fit = climb::climb(&start, &mut blocks, climb::GAIN)?;
     }
     let mut found = limbs::limbs(&fit, &blocks);
+    if lamp::are_suspected(&fit, &found)
+        && let Some(lit) = pixels.by_lamps((&fit, &found), [prior.filter(|_| !is_free), prior])
+    {
+        (start, fit, blocks) = lit;
+        found = limbs::limbs(&fit, &blocks);
+    }
     let mut limbs = found.map(|eye| eye.map(|found| found.limb));
     let is_lost = limbs.iter().flatten().any(|limb| *limb != Limb::Seen);
     if is_lost && is_enough(limbs, prior.is_some()) {
@@ -188,18 +199,69 @@ fn followed(lights: [&Light<'_>; 2], candidate: &Candidate) -> [Strip; 2] {
 struct Pixels<'a> {
     lights: [&'a Light<'a>; 2],
     views: [View; 2],
+    /// How far inside a limb.
+    inside_px: f64,
 }
 
 impl Pixels<'_> {
     /// The pixels around the limbs of a rod.
     fn blocks(&self, rod: &State) -> Option<Vec<Block>> {
+        self.some_blocks(rod, 1)
+    }
+
+    /// Of every so many-th block.
+    fn some_blocks(&self, rod: &State, block_step: usize) -> Option<Vec<Block>> {
         let mut blocks = Vec::new();
         for (eye, (view, light)) in self.views.iter().zip(self.lights).enumerate() {
             let (mounted, axes) = (&view.mounted, &view.axes);
-            let stretches = bands::stretches(mounted, light, axes, rod, rod.blur_px2[eye], 1)?;
+            let window = Window {
+                inside_px: self.inside_px,
+                blur_px2: rod.blur_px2[eye],
+                row_step: 1,
+                block_step,
+            };
+            let stretches = bands::stretches(mounted, light, axes, rod, &window)?;
             blocks.extend(pool::blocks(eye, &stretches));
         }
         (blocks.len() >= LEAST_BLOCKS).then_some(blocks)
+    }
+
+    /// As if one lamp or two lit the rod, near a fit to light of any kind; `None` where that is much less likely. What is known of the radius
+    /// is given as of coming near, and of the end.
+    fn by_lamps(
+        &self,
+        (free, found): (&Fit, &[[Found; 2]; 2]),
+        [rough, prior]: [Option<Prior>; 2],
+    ) -> Option<(Start, Fit, Vec<Block>)> {
+        // Both limbs of an eye in the same colours: they have the same paint.
+        let mut views = self.views;
+        for (view, evidence) in views.iter_mut().zip(&free.sums.evidence) {
+            let plainest = usize::from(evidence[1] > evidence[0]);
+            view.axes = [view.axes[plainest]; 2];
+        }
+        let pixels = Pixels {
+            views,
+            inside_px: lamp::inside_px(found),
+            ..*self
+        };
+        let mut start = Start {
+            state: lamp::by_lamps(free, rough, |state, step| pixels.some_blocks(state, step))?,
+            lit: None,
+            alike: Alike::default(),
+            prior: rough,
+        };
+        let mut blocks = pixels.blocks(&start.state)?;
+        let fit = climb::climb(&start, &mut blocks, ROUGH_GAIN)?;
+        let (mut alike, lit) = alike::alike(&fit, &blocks);
+        alike.means = lamp::of_means(&lit);
+        start = Start {
+            state: fit.state,
+            lit: Some(lit),
+            alike,
+            prior,
+        };
+        let fit = climb::climb(&start, &mut blocks, climb::GAIN)?;
+        Some((start, fit, blocks))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::bands::REACH_PX;
 use super::block::Shades;
+use super::lamp::Lamp;
 use super::spread::{Shapes, Spread};
 use super::state::Shadow;
 
@@ -25,10 +26,17 @@ pub(crate) struct Shading {
     beyond: [f64; 2],
     pub(crate) shadow: Option<Shadow>,
     rise: f64,
+    /// The lamps whose light the third and the second of the inner shades are, instead of a root and a slope.
+    pub(crate) lamps: [Option<Lamp>; 2],
 }
 
 impl Shading {
-    pub(crate) fn new(shades: &Shades, side: usize, shadow: Option<Shadow>, rise: f64) -> Self {
+    pub(crate) fn new(
+        shades: &Shades,
+        side: usize,
+        (shadow, rise): (Option<Shadow>, f64),
+        lamps: [Option<Lamp>; 2],
+    ) -> Self {
         let (within, here, there) = (3 * side, 6 + 2 * side, 6 + 2 * (1 - side));
         Self {
             inner: [shades[within], shades[within + 1], shades[within + 2]],
@@ -36,6 +44,7 @@ impl Shading {
             beyond: [shades[there], shades[there + 1]],
             shadow,
             rise,
+            lamps,
         }
     }
 }
@@ -60,14 +69,16 @@ impl PixelModel<'_> {
             beyond,
             shadow,
             rise,
+            lamps,
         } = self.light;
         let sign = self.sign;
         let per_radius = 1.0 / self.radius_px;
+        let near = self.near.at(x);
         let Shapes {
             step: [e, e1, e2],
             ramp: [ramp, ..],
             root: [root, root1, root2],
-        } = self.near.at(x);
+        } = near;
         let Shapes {
             step: [f, f1, f2],
             ramp: [far_ramp, ..],
@@ -77,18 +88,19 @@ impl PixelModel<'_> {
         let far_off = far_x - far_ramp;
         let linear = sign * (e - ramp * per_radius - (far_off * per_radius - (1.0 - f)));
         let rounded = far_root * per_radius;
-        let [a0, a1, a2] = [inner[0], sign * inner[1], inner[2] * rounded];
+        let free = if lamps[0].is_some() { 0.0 } else { 1.0 };
+        let [a0, a1, a2] = [inner[0], free * sign * inner[1], free * inner[2] * rounded];
         let (b0, b1) = (outer[0], outer[1] / REACH_PX);
         let (c0, c1) = (beyond[0], beyond[1] / REACH_PX);
         let by_near2 = a0 * e2 + a1 * (e2 - e1 * per_radius) + a2 * root2 - b0 * e2 - b1 * e1;
         let by_far2 = a0 * f2 - a1 * (f2 - f1 * per_radius)
-            + inner[2] * root * far_root2 * per_radius
+            + free * inner[2] * root * far_root2 * per_radius
             - c0 * f2
             - c1 * f1;
         let mut known = [
             inside,
-            linear,
-            root * rounded,
+            free * linear,
+            free * root * rounded,
             1.0 - e,
             (x - ramp) / REACH_PX,
             a0 * e1 + a1 * (e1 - e * per_radius) + a2 * root1 - b0 * e1 + b1 * (1.0 - e),
@@ -97,7 +109,8 @@ impl PixelModel<'_> {
             0.0,
             1.0 - f,
             far_off / REACH_PX,
-            a0 * f1 - a1 * (f1 + (1.0 - f) * per_radius) + inner[2] * root * far_root1 * per_radius
+            a0 * f1 - a1 * (f1 + (1.0 - f) * per_radius)
+                + free * inner[2] * root * far_root1 * per_radius
                 - c0 * f1
                 + c1 * (1.0 - f),
         ];
@@ -114,6 +127,17 @@ impl PixelModel<'_> {
             known[BY_BLUR] += amount * by_blur;
             light += amount * value;
         }
+        for (k, lamp) in lamps.iter().flatten().enumerate() {
+            let [value, by_x, by_x2, by_psi] =
+                lamp.at(self.near, (x, &near), (self.radius_px, rounded));
+            let shade = 2 - k;
+            let amount = inner[shade];
+            known[shade] = value;
+            known[OF_SHADOW + k] = amount * by_psi * lamp.turn;
+            known[BY_NEAR] += amount * by_x;
+            known[BY_BLUR] += 0.5 * amount * by_x2;
+            light += amount * value;
+        }
         (known, light)
     }
 }
@@ -123,7 +147,7 @@ impl PixelModel<'_> {
 ///
 /// With t the distance to the axis over the radius, and t' that of where the light ends, it is
 /// (t' − t)(t' + t)/(t' √(1 − t²) + t √(1 − t'²)) where t < t': a ramp, which lens and pixel blur, times what changes slowly.
-fn shadowed(spread: &Spread, x_px: f64, radius_px: f64, angle_rad: f64) -> [f64; 4] {
+pub(crate) fn shadowed(spread: &Spread, x_px: f64, radius_px: f64, angle_rad: f64) -> [f64; 4] {
     let scale = radius_px.sqrt() / 1.4;
     let (end, aside) = (libm::cos(angle_rad), libm::sin(angle_rad));
     let end_px = radius_px * (1.0 - end);

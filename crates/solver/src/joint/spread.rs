@@ -92,6 +92,18 @@ impl Spread {
         }
     }
 
+    /// The step alone.
+    pub(crate) fn step(&self, x_px: f64) -> Shape {
+        if x_px >= self.reach_px {
+            [1.0, 0.0, 0.0]
+        } else if x_px <= -self.reach_px {
+            NONE
+        } else {
+            let [step] = self.between(x_px, [0]);
+            step
+        }
+    }
+
     /// The ramp alone.
     pub(crate) fn ramp(&self, x_px: f64) -> Shape {
         if x_px >= self.reach_px {

@@ -17,6 +17,9 @@ pub(crate) fn of_shadow(eye: usize, side: usize) -> usize {
     ROD + 2 + 4 * eye + 2 * side
 }
 
+/// Where the azimuths of two lamps begin among the unknowns: in the place of shadows, which they explain.
+pub(crate) const LAMPS: usize = ROD + 2;
+
 /// The softest lens, px².
 const MOST_BLUR_PX2: f64 = 25.0;
 /// A shadow's angle changes by no more than this share of it at a step.
@@ -47,6 +50,9 @@ pub(crate) struct State {
     pub(crate) blur_px2: [f64; 2],
     /// Of each eye's limbs plus and minus, where there is one.
     pub(crate) shadows: [[Option<Shadow>; 2]; 2],
+    /// Where lamps are, around the axis from the first of `across` to the second, rad, if the rod's light is taken for theirs; shadows
+    /// are theirs then.
+    pub(crate) lamps_rad: [Option<f64>; 2],
 }
 
 impl State {
@@ -61,6 +67,7 @@ impl State {
             bend_per_m: None,
             blur_px2: [blur_px2; 2],
             shadows: [[None; 2]; 2],
+            lamps_rad: [None; 2],
         }
     }
 
@@ -125,6 +132,9 @@ impl State {
                 bound(k + 1, angles[0], angles[1]);
             }
         }
+        for k in (0..2).filter(|k| self.lamps_rad[*k].is_some()) {
+            bound(LAMPS + k, -MOST_TURN, MOST_TURN);
+        }
         [least, most]
     }
 
@@ -159,6 +169,7 @@ impl State {
             }),
             blur_px2: [0, 1].map(|k| self.blur_px2[k] * libm::exp(by[ROD + k])),
             shadows,
+            lamps_rad: [0, 1].map(|k| self.lamps_rad[k].map(|lamp_rad| lamp_rad + by[LAMPS + k])),
         }
     }
 }

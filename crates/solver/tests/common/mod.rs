@@ -11,6 +11,8 @@
     reason = "`expect` cannot say `in some of the files`"
 )]
 
+mod lens;
+
 use core::ops::Range;
 
 use rodsight_solver::{Estimate, Method, PaperParams, Request, Roi, Status, solve};
@@ -377,6 +379,8 @@ impl Scene {
             .flat_map(|y| (columns.start..=columns.end).map(move |x| (x, y)))
             .map(|(x, y)| self.hit(eye, x as f64, y as f64).map(|hit| hit.rod))
             .collect();
+        let behind = light.clone();
+        let mut is_edge = vec![false; width * height];
         let mut range_m = vec![f64::INFINITY; width * height];
         for y in rows.clone() {
             for x in columns.clone() {
@@ -385,7 +389,6 @@ impl Scene {
                 };
                 let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
                 let place = y * width + x;
-                let behind = light[place];
                 let is_whole = four.iter().all(|c| *c == four[0]);
                 // Bands end within a pixel.
                 let is_plain = !matches!(self.texture, Texture::Bands { .. });
@@ -398,6 +401,7 @@ impl Scene {
                     }
                     continue;
                 }
+                is_edge[place] = !is_whole;
                 let n = if is_whole { 3 } else { self.samples };
                 let step = 1.0 / f64::from(n);
                 let mut sum = [0.0; 3];
@@ -409,7 +413,7 @@ impl Scene {
                             range_m[place] = range_m[place].min(hit.range_m);
                             hit.colour
                         }
-                        None => behind,
+                        None => behind[place],
                     };
                     for (sum, value) in sum.iter_mut().zip(colour) {
                         *sum += value * step * step;
@@ -418,9 +422,18 @@ impl Scene {
                 light[place] = sum;
             }
         }
-        self.add_balls(eye, &mut light, &range_m, width);
+        let is_ball = self.add_balls(eye, &mut light, &range_m, width);
         if self.blur_px > 0.0 {
             blur(&mut light, width, [&columns, &rows], self.blur_px);
+            let pixels = lens::Pixels {
+                width,
+                columns: &columns,
+                rows: &rows,
+                behind: &behind,
+                is_edge: &is_edge,
+                is_ball: &is_ball,
+            };
+            pixels.blur_edges(self, eye, &mut light);
         }
         let mut random = Random::new(self.seed ^ if eye == Eye::Left { 0 } else { 0x5555_1234 });
         let most = if self.bits == 8 { 255.0 } else { 65535.0 };
@@ -448,8 +461,15 @@ impl Scene {
             .expect("as many samples as pixels")
     }
 
-    /// Balls before what is farther, their borders a pixel wide.
-    fn add_balls(&self, eye: Eye, light: &mut [[f64; 3]], range_m: &[f64], width: usize) {
+    /// Balls before what is farther, their borders a pixel wide; where they are.
+    fn add_balls(
+        &self,
+        eye: Eye,
+        light: &mut [[f64; 3]],
+        range_m: &[f64],
+        width: usize,
+    ) -> Vec<bool> {
+        let mut is_ball = vec![false; light.len()];
         let height = light.len() / width;
         for disc in self.discs(eye) {
             let at = disc.centre_px;
@@ -461,6 +481,7 @@ impl Scene {
                     let share = (disc.radius_px - off + 0.5).clamp(0.0, 1.0);
                     let place = y * width + x;
                     if share > 0.0 && range_m[place] > disc.range_m {
+                        is_ball[place] = true;
                         for (value, ball) in light[place].iter_mut().zip(disc.colour) {
                             *value += share * (ball - *value);
                         }
@@ -468,6 +489,7 @@ impl Scene {
                 }
             }
         }
+        is_ball
     }
 }
 

@@ -1,0 +1,309 @@
+//! The light that lamps throw on a round rod, near a limb.
+//!
+//! A matt rod's light is the cosine of the angle around the axis from its lamp, or nothing beyond a right angle. That azimuth is the
+//! same all along a straight rod, even for a lamp that is near, and one number for all limbs that the eyes see.
+
+use nalgebra::{SMatrix, SVector};
+use rodsight_geometry::Vec3;
+
+use super::bands::{INSIDE_PX, Ray};
+use super::block::{Alike, Lit, Shading};
+use super::climb::{self, Fit, Prior, Start};
+use super::crossing::Crossing;
+use super::limbs::Found;
+use super::pool::Block;
+use super::shade::shadowed;
+use super::spread::{Shapes, Spread};
+use super::state::{State, UNKNOWNS};
+
+/// Light that ends so near to the limb, px, is light that does not end, but for how much of it there would be less than none.
+const NEAR_PX: f64 = 1.0;
+/// Nodes and weights of Gauss's quadrature with the density 3 − 3 √x on 0…1, which is that of less than none.
+const LOBE: [(f64, f64); 3] = [
+    (0.079_574_78, 0.444_320_24),
+    (0.392_953_66, 0.435_736_71),
+    (0.778_861_14, 0.119_943_05),
+];
+
+/// A lamp as a limb has it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lamp {
+    /// From the direction to the camera, rad, growing towards the limb.
+    pub(crate) psi_rad: f64,
+    /// 1 where that grows with the lamp's azimuth, −1 where it falls.
+    pub(crate) turn: f64,
+}
+
+impl Lamp {
+    /// As the limb has them that a ray touches, of plus (sign 1) or minus (−1).
+    pub(crate) fn of(state: &State, ray: &Ray, sign: f64) -> [Option<Self>; 2] {
+        let d = state.cylinder.axis.direction;
+        let [first, second] = state.across;
+        // Out of the rod at the limb, and towards the camera.
+        let out = ray.direction.cross(&d).normalize() * -sign;
+        let back = back(&d, ray);
+        state.lamps_rad.map(|lamp_rad| {
+            let (sin, cos) = libm::sincos(lamp_rad?);
+            let towards = first * cos + second * sin;
+            Some(Self {
+                psi_rad: libm::atan2(towards.dot(&out), towards.dot(&back)),
+                turn: d.cross(&back).dot(&out).signum(),
+            })
+        })
+    }
+
+    /// The light at x px inside a limb whose shapes there are these, its first and second derivative by x and that by psi.
+    pub(crate) fn at(
+        &self,
+        spread: &Spread,
+        (x_px, shapes): (f64, &Shapes),
+        (radius_px, rounded): (f64, f64),
+    ) -> [f64; 4] {
+        let (sin, cos) = libm::sincos(self.psi_rad);
+        let end_px = radius_px * (1.0 - cos);
+        if sin < 0.0 && end_px > NEAR_PX {
+            let per_scale = 1.4 / radius_px.sqrt();
+            let [value, by_x, by_blur, by_angle] = shadowed(spread, x_px, radius_px, -self.psi_rad);
+            return [value, by_x, 2.0 * by_blur, -by_angle].map(|v| v * per_scale);
+        }
+        let per_radius = 1.0 / radius_px;
+        let Shapes {
+            step: [e, e1, e2],
+            ramp: [ramp, ..],
+            root: [root, root1, root2],
+        } = shapes;
+        let linear = [
+            e - ramp * per_radius,
+            e1 - e * per_radius,
+            e2 - e1 * per_radius,
+        ];
+        let round = [root, root1, root2].map(|v| v * rounded);
+        let [mut value, mut by_x, by_x2]: [f64; 3] =
+            core::array::from_fn(|k| sin * linear[k] + cos * round[k]);
+        let mut by_psi = cos * linear[0] - sin * round[0];
+        if sin < 0.0 {
+            // What would be less than none.
+            let mass = -sin * end_px / 3.0;
+            for (node, weight) in LOBE {
+                let [_, line, slope] = spread.step(x_px - node * end_px);
+                value += mass * weight * line;
+                by_x += mass * weight * slope;
+            }
+            by_psi -= cos * (e - spread.step(x_px - end_px)[0]);
+        }
+        [value, by_x, by_x2, by_psi]
+    }
+}
+
+/// Across a rod towards where a ray comes from.
+pub(crate) fn back(d: &Vec3, ray: &Ray) -> Vec3 {
+    let v = ray.direction;
+    -(v - d * d.dot(&v)).normalize()
+}
+
+/// Where one lamp and two may be from the view, around the axis, as a climb begins, rad.
+const ONE_RAD: [[Option<f64>; 2]; 6] = [
+    [Some(-1.2), None],
+    [Some(-0.6), None],
+    [Some(-0.2), None],
+    [Some(0.2), None],
+    [Some(0.6), None],
+    [Some(1.2), None],
+];
+const TWO_RAD: [[Option<f64>; 2]; 6] = [
+    [Some(-1.0), Some(1.0)],
+    [Some(-0.6), Some(0.6)],
+    [Some(-0.3), Some(0.9)],
+    [Some(-0.9), Some(0.3)],
+    [Some(-1.2), Some(0.6)],
+    [Some(-0.6), Some(1.2)],
+];
+/// Of the radius so much is looked at, and no more px.
+const INSIDE: f64 = 0.5;
+const MOST_INSIDE_PX: f64 = 25.0;
+/// What is nearer to a limb, px, is reached from it.
+const LEAST_FARTHER_PX: f64 = 2.0;
+/// Of narrower rods all is near a limb.
+const NARROW_PX: f64 = 12.0;
+/// Of narrower rods one limb's light is the other's.
+const LEAST_RADIUS_PX: f64 = 4.0;
+/// Softer limbs are suspect.
+const LEAST_SOFTNESS: f64 = 0.4;
+/// A climb that gains less likelihood is done.
+const ENOUGH: f64 = 0.5;
+/// As climbs from several beginnings are compared.
+const ROUGH: f64 = 10.0;
+/// Lamps farther from the view are behind the rod.
+const MOST_ASIDE_RAD: f64 = 1.9;
+/// The search looks at every so many-th block.
+const SOME: usize = 4;
+/// A second lamp has one unknown more in each block, of 70 samples or so: it has to be the likelier for it (Akaike 1974).
+const WORSE: f64 = 0.014;
+/// Free light has three or four more.
+const MOST_WORSE: f64 = 0.045;
+/// Where no lamps fit well, as by what is usual of noise, none are believed.
+const MOST_COST: f64 = 0.6;
+/// By so much of a lamp's light the limbs of an eye may differ in light from everywhere and in that of the lamp, as standard deviations.
+const UNLIKE_AROUND: f64 = 0.03;
+const UNLIKE_LAMP: f64 = 0.05;
+/// A block by itself may differ by more.
+const UNLIKE_EACH: f64 = 0.1;
+
+/// Whether lamps may tell more than free light does: light rises softly from a limb or ends before it, or all of the rod is near a limb.
+pub(crate) fn are_suspected(fit: &Fit, found: &[[Found; 2]; 2]) -> bool {
+    let limbs = || found.iter().flatten();
+    let radii_px = limbs().filter_map(|found| Some(found.middle?.radius_px));
+    let narrowest_px = radii_px.fold(f64::INFINITY, f64::min);
+    let mut shadows = fit.state.shadows.iter().flatten().flatten();
+    narrowest_px > LEAST_RADIUS_PX
+        && (narrowest_px < NARROW_PX
+            || shadows.any(|shadow| shadow.amount > 0.0)
+            || limbs().any(|found| found.softness > LEAST_SOFTNESS))
+}
+
+/// How far inside limbs the light of lamps is looked at, px.
+pub(crate) fn inside_px(found: &[[Found; 2]; 2]) -> f64 {
+    let limbs = found.iter().flatten();
+    let radii_px = limbs.filter_map(|found| Some(found.middle?.radius_px));
+    let least_px = radii_px.fold(f64::INFINITY, f64::min);
+    (INSIDE * least_px).clamp(INSIDE_PX, MOST_INSIDE_PX)
+}
+
+/// The likeliest rod in the light of one lamp or two, near one that was fitted to light of any kind; `None` where it is much less likely.
+pub(crate) fn by_lamps(
+    free: &Fit,
+    prior: Option<Prior>,
+    gather: impl Fn(&State, usize) -> Option<Vec<Block>>,
+) -> Option<State> {
+    let blocks = gather(&free.state, SOME)?;
+    let axis = &free.state.cylinder.axis;
+    let cuts = || blocks.iter().flat_map(|block| block.cuts.iter().flatten());
+    let view: Vec3 = cuts().map(|cut| back(&axis.direction, &cut.rays[1])).sum();
+    let [first, second] = free.state.across;
+    let view_rad = libm::atan2(view.dot(&second), view.dot(&first));
+    let alike = Alike {
+        each: [0, 1].map(|eye| of_both_limbs(brightness(&blocks, eye), [UNLIKE_EACH; 2])),
+        ..Alike::default()
+    };
+    let climbed = |state, step, enough| {
+        let mut blocks = gather(&state, step)?;
+        let start = Start {
+            state,
+            lit: None,
+            alike,
+            prior,
+        };
+        climb::climb(&start, &mut blocks, enough)
+    };
+    // Of a sample, as windows differ.
+    let cost = |fit: &Fit| fit.sums.cost / fit.samples as f64;
+    let mut likeliest: Option<(f64, Fit)> = None;
+    for (beginnings, worse) in [(&ONE_RAD[..], 0.0), (&TWO_RAD[..], WORSE)] {
+        let states = beginnings.iter().flat_map(|off_rad| {
+            let state = State {
+                shadows: [[None; 2]; 2],
+                lamps_rad: off_rad.map(|off_rad| Some(view_rad + off_rad?)),
+                ..free.state
+            };
+            let farther = off_rad[1]
+                .is_none()
+                .then(|| out_of_shadow(&state, &blocks))
+                .flatten();
+            [Some(state), farther].into_iter().flatten()
+        });
+        let fits = states.filter_map(|state| climbed(state, SOME, ROUGH));
+        let Some(best) = fits.min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
+            continue;
+        };
+        let fit = climbed(best.state, 1, ENOUGH).filter(|fit| is_before(&fit.state, &blocks));
+        let Some(fit) = fit else {
+            continue;
+        };
+        let worth = cost(&fit) + worse;
+        if likeliest.as_ref().is_none_or(|(least, _)| worth < *least) {
+            likeliest = Some((worth, fit));
+        }
+    }
+    let (least, fit) = likeliest?;
+    (least < MOST_COST.min(cost(free) + MOST_WORSE)).then_some(fit.state)
+}
+
+/// Whether no lamp is behind the rod.
+fn is_before(state: &State, blocks: &[Block]) -> bool {
+    let cuts = blocks.iter().flat_map(|block| block.cuts.iter().flatten());
+    let mut lamps = cuts.flat_map(|cut| Lamp::of(state, &cut.rays[1], 1.0));
+    lamps.all(|lamp| lamp.is_none_or(|lamp| lamp.psi_rad.abs() < MOST_ASIDE_RAD))
+}
+
+/// A rod whose limbs lie as much farther out as a lamp's light ends before them: what was taken for limbs may be where that is.
+fn out_of_shadow(state: &State, blocks: &[Block]) -> Option<State> {
+    let mut normal = SMatrix::<f64, 5, 5>::zeros();
+    let mut right = SVector::<f64, 5>::zeros();
+    let mut is_dark = false;
+    for block in blocks {
+        for (side, cut) in block.cuts.iter().enumerate() {
+            let Some(cut) = cut else { continue };
+            let sign = if side == 0 { 1.0 } else { -1.0 };
+            let crossing = Crossing::new(state, cut);
+            let [s0, s1, s2, s3, ..] = crossing.slopes.map(|slope| -sign * slope / crossing.per_px);
+            let by_rod = SVector::<f64, 5>::new(s0, s1, s2, s3, 1.0 / crossing.per_px);
+            let psi_rad = Lamp::of(state, &cut.rays[1], sign)[0]?.psi_rad;
+            let radius_px = state.cylinder.radius_m / crossing.per_px;
+            let farther_px = if psi_rad < 0.0 {
+                radius_px * (1.0 - libm::cos(psi_rad))
+            } else {
+                0.0
+            };
+            is_dark |= farther_px > LEAST_FARTHER_PX;
+            normal += by_rod * by_rod.transpose();
+            right += by_rod * farther_px;
+        }
+    }
+    let scale = normal
+        .diagonal()
+        .map(|v| 1.0 / v.max(f64::MIN_POSITIVE).sqrt());
+    let scaled = normal.component_mul(&(scale * scale.transpose()));
+    let step = scaled
+        .cholesky()?
+        .solve(&right.component_mul(&scale))
+        .component_mul(&scale);
+    let mut by = SVector::<f64, UNKNOWNS>::zeros();
+    by.fixed_rows_mut::<5>(0).copy_from(&step);
+    is_dark.then(|| state.moved(&by))
+}
+
+/// How much brighter, or darker, an eye's rod is than what is beside it.
+fn brightness(blocks: &[Block], eye: usize) -> f64 {
+    let cuts = blocks.iter().filter(|block| block.eye == eye);
+    let steps: Vec<f64> = cuts
+        .flat_map(|block| block.cuts.iter().flatten())
+        .filter_map(|cut| Some((cut.samples.last()?.value - cut.samples.first()?.value).abs()))
+        .collect();
+    steps.iter().sum::<f64>() / steps.len().max(1) as f64
+}
+
+/// Of the mean shading of an eye in the light of lamps.
+pub(crate) fn of_means(lit: &Lit) -> [Shading; 2] {
+    lit.means.map(|[mean, _]| {
+        let lamps = [1, 2, 4, 5].map(|k: usize| mean[k].abs());
+        of_both_limbs(
+            0.5 * lamps.iter().sum::<f64>(),
+            [UNLIKE_AROUND, UNLIKE_LAMP],
+        )
+    })
+}
+
+/// One over the covariance of shading whose limbs have the same paint, light from everywhere and from lamps, or nearly so: off by shares
+/// of a brightness.
+fn of_both_limbs(brightness: f64, [around, lamp]: [f64; 2]) -> Shading {
+    let mut known = Shading::zeros();
+    for (plus, share) in [(0, around), (1, lamp), (2, lamp)] {
+        let minus = 3 + plus;
+        let weight = 1.0 / (share * brightness).powi(2).max(f64::MIN_POSITIVE);
+        known[(plus, plus)] += weight;
+        known[(minus, minus)] += weight;
+        known[(plus, minus)] -= weight;
+        known[(minus, plus)] -= weight;
+    }
+    known
+}
