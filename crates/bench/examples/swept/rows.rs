@@ -7,7 +7,7 @@ use rodsight_bench::{Limit, Nees};
 use rodsight_geometry::degrees;
 use serde::{Deserialize, Serialize};
 
-use crate::painted::answer::{Answer, status_name};
+use crate::asked::answer::{Answer, status_name};
 
 /// A scene and a method's answer to it; what is not known is empty.
 #[derive(Clone, Debug, Serialize, Deserialize)]

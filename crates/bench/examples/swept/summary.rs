@@ -6,8 +6,8 @@ use rodsight_bench::statistics::{
 };
 use rodsight_solver::Method;
 
-use crate::list::Sweep;
-use crate::rows::Row;
+use super::rows::Row;
+use super::variable::Variable;
 
 const RESAMPLES: usize = 1000;
 
@@ -48,9 +48,9 @@ impl MethodSummary {
 }
 
 impl Summary {
-    /// In the order of the sweep's values; values without rows are left out.
-    pub(crate) fn of(sweep: &Sweep, rows: &[Row]) -> Vec<Self> {
-        sweep
+    /// In the order of the variable's values; values without rows are left out.
+    pub(crate) fn of(variable: &Variable, rows: &[Row]) -> Vec<Self> {
+        variable
             .values()
             .into_iter()
             .filter_map(|(value, name)| {
