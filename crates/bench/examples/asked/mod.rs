@@ -9,8 +9,13 @@
 pub(crate) mod answer;
 pub(crate) mod dice;
 
+use std::error::Error;
+
 use rodsight_geometry::{Camera, Pixel, StereoPair};
 use rodsight_solver::{CalibrationSigma, Pick, RadiusPrior, Request, Roi};
+
+/// What a thread may hand on.
+pub(crate) type Failure = Box<dyn Error + Send + Sync>;
 
 /// A region that the founding paper's chain is used with, px.
 pub(crate) const REGION_PX: [u32; 2] = [640, 700];

@@ -2,8 +2,9 @@
 
 use std::error::Error;
 
-use rodsight_solver::{Method, SolveError};
+use rodsight_solver::Method;
 
+use crate::asked::Failure;
 use crate::list::Sweep;
 use crate::painted::draft::{Draft, Trial};
 use crate::painted::kinds::draft;
@@ -31,7 +32,7 @@ fn trial(sweep: &Sweep, value: f64, seed: u64) -> Option<Trial> {
     Some(trial)
 }
 
-fn solve_one(sweep: &Sweep, value: (f64, &str), seed: u64) -> Result<Vec<Row>, SolveError> {
+fn solve_one(sweep: &Sweep, value: (f64, &str), seed: u64) -> Result<Vec<Row>, Failure> {
     let Some(trial) = trial(sweep, value.0, seed) else {
         unreachable!("seeds are of scenes that can be drawn");
     };

@@ -1,15 +1,22 @@
 //! Sweeps: outcomes of the methods as one variable changes, as rows, tables and pictures, wherever the pairs come from.
+#![allow(dead_code, reason = "each program uses a part")]
+#![allow(
+    clippy::allow_attributes,
+    reason = "`expect` cannot say `in some of the programs`"
+)]
 
 mod picture;
 pub(crate) mod rows;
-mod summary;
-mod table;
+pub(crate) mod summary;
+pub(crate) mod table;
 pub(crate) mod variable;
 
 use std::error::Error;
 use std::path::PathBuf;
 
 use rayon::prelude::*;
+
+use crate::asked::Failure;
 use rows::Row;
 use summary::Summary;
 use variable::Variable;
@@ -83,11 +90,11 @@ impl Orders {
 }
 
 /// A row per value, seed and method. The seeds are the first that are good at every value: what is compared is the same scenes.
-pub(crate) fn solve_all<E: Error + Send + Sync + 'static>(
+pub(crate) fn solve_all(
     variable: &Variable,
     count: usize,
     is_good: impl Fn(f64, u64) -> bool,
-    solve: impl Fn((f64, &str), u64) -> Result<Vec<Row>, E> + Sync,
+    solve: impl Fn((f64, &str), u64) -> Result<Vec<Row>, Failure> + Sync,
 ) -> Result<Vec<Row>, Box<dyn Error>> {
     let values = variable.values();
     let tried = 100 * count as u64;
@@ -110,6 +117,7 @@ pub(crate) fn solve_all<E: Error + Send + Sync + 'static>(
     let rows: Vec<Vec<Row>> = scenes
         .par_iter()
         .map(|((value, name), seed)| solve((*value, name), *seed))
-        .collect::<Result<_, _>>()?;
+        .collect::<Result<_, Failure>>()
+        .map_err(|failure| -> Box<dyn Error> { failure })?;
     Ok(rows.concat())
 }

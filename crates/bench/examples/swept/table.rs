@@ -83,7 +83,7 @@ fn interval(of: &MethodSummary) -> String {
 }
 
 /// Three digits, or two behind the point of what is large.
-fn short(value: Option<f64>) -> String {
+pub(crate) fn short(value: Option<f64>) -> String {
     let Some(value) = value else {
         return NONE.to_owned();
     };
