@@ -64,6 +64,10 @@ impl Answer {
         Some(degrees(self.answered()?.axis_angle_rad))
     }
 
+    pub(crate) fn radius_error_mm(&self) -> Option<f64> {
+        Some(1e3 * self.answered()?.radius_m?)
+    }
+
     pub(crate) fn nees(&self) -> Option<Nees> {
         self.answered()?.nees
     }

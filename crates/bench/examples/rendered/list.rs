@@ -4,7 +4,8 @@ use rodsight_scene::{Mode, PlainSensorEntry, SensorEntry, WaterEntry};
 
 use crate::chart::scale::Spread::{Linear, Log};
 use crate::scenes::draft::Draft;
-use crate::scenes::looks::{self, LAMPS, PORTS, SURFACES, WATERS};
+use crate::scenes::looks::{self, LAMPS, SURFACES, WATERS};
+use crate::scenes::ports::{self, PORTS};
 use crate::swept::variable::Values::{Named, Of};
 use crate::swept::variable::{Values, Variable};
 
@@ -50,15 +51,15 @@ pub(crate) const SWEEPS: &[Sweep] = &[
         ],
         Of(
             Linear,
-            &[0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0],
+            &[0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0],
         ),
         turbidity,
     ),
     sweep(
         "port",
-        ["Flat ports", "ports before the cameras"],
+        ["Flat ports", "how a flat port is known"],
         Named(PORTS),
-        |draft, value| looks::port(draft, PORTS[value as usize]),
+        |draft, value| ports::port(draft, PORTS[value as usize]),
     ),
     sweep(
         "texture",

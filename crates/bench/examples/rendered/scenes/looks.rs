@@ -1,22 +1,18 @@
-//! Water, lamps, surfaces, ports by their names.
+//! Water, lamps and surfaces by their names.
 
-use rodsight_geometry::port::Band;
-use rodsight_geometry::{Camera, Distortion, MountedCamera, Rig, RigFile, Vec3};
+use rodsight_geometry::Vec3;
 use rodsight_scene::{
     DaylightEntry, FoulingEntry, GlossEntry, GrainEntry, LampEntry, StripesEntry, SurfaceEntry,
     WaterEntry,
 };
 
-use super::draft::{Draft, parse_rig};
+use super::draft::Draft;
 use crate::asked::dice::Dice;
 
 /// From clear to turbid, as the table of waters has them.
 pub(crate) const WATERS: &[&str] = &["I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C"];
 pub(crate) const LAMPS: &[&str] = &["between", "outboard", "aside", "above", "daylight"];
 pub(crate) const SURFACES: &[&str] = &["plain", "striped", "grained", "glossy", "overgrown"];
-pub(crate) const PORTS: &[&str] = &["none", "modelled", "ignored"];
-
-const PORT_RIG: &str = include_str!("../../../../../scenes/rigs/flat_port.toml");
 
 pub(crate) fn water(draft: &mut Draft, name: &str) {
     draft.file.water = Some(WaterEntry {
@@ -118,33 +114,4 @@ pub(crate) fn surface(draft: &mut Draft, name: &str) {
         _ => {}
     }
     draft.file.rod[0].surface = Some(surface);
-}
-
-/// Cameras behind flat ports, known to the solver or not; `none` are the cameras for which it then takes them: in water, with the focal
-/// length that those behind ports have at the middle of the image.
-pub(crate) fn port(draft: &mut Draft, name: &str) {
-    let behind = parse_rig(PORT_RIG, "rigs/flat_port.toml");
-    let rig = behind
-        .to_rig("rigs/flat_port.toml".as_ref())
-        .expect("a rig");
-    let pinholes = Rig {
-        left: pinhole(&rig.left),
-        right: pinhole(&rig.right),
-    };
-    draft.file.rig = Some(match name {
-        "none" => RigFile::from_rig(&pinholes),
-        _ => behind,
-    });
-    draft.believed = (name == "ignored").then_some(pinholes);
-}
-
-/// What a camera behind a flat port is near its axis: one whose focal length is as many times longer as the water's index says.
-fn pinhole(mounted: &MountedCamera) -> MountedCamera {
-    let mut i = *mounted.camera.intrinsics();
-    let port = mounted.port.expect("a camera behind a port");
-    let water_index = port.water_index()[Band::Green.index()];
-    i.fx_px *= water_index;
-    i.fy_px *= water_index;
-    let camera = Camera::new(i, Distortion::None).expect("a longer focal length");
-    MountedCamera::new(camera, mounted.rig_from_camera)
 }
