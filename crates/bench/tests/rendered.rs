@@ -143,7 +143,7 @@ fn limbs_by_formula_are_where_the_picture_shows_them() {
 #[test]
 fn ports_matter_to_who_ignores_them() {
     let seen = |name| trial(3, |draft| ports::port(draft, name));
-    let (known, ignored) = (seen("port known"), seen("taken for focal length"));
+    let (known, ignored) = (seen("ports"), seen("focal length"));
     let (known_shot, ignored_shot) = (shot(&known), shot(&ignored));
     assert_eq!(known_shot.pair.left, ignored_shot.pair.left);
     assert_ne!(known_shot.pair.rig, ignored_shot.pair.rig);

@@ -3,7 +3,11 @@
 use rodsight_geometry::{Vec3, radians};
 
 #[path = "../../../solver/tests/common/random.rs"]
-#[allow(unreachable_pub, reason = "the solver's tests share it")]
+#[allow(
+    unreachable_pub,
+    clippy::duplicate_mod,
+    reason = "the painter has it as well, where there is one"
+)]
 mod random;
 
 pub(crate) use random::Random;

@@ -57,7 +57,7 @@ pub(crate) const SWEEPS: &[Sweep] = &[
     ),
     sweep(
         "port",
-        ["Flat ports", "how a flat port is known"],
+        ["Flat ports", "what the solver takes them for"],
         Named(PORTS),
         |draft, value| ports::port(draft, PORTS[value as usize]),
     ),

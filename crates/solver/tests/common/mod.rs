@@ -2,6 +2,7 @@
 //! cylinder is the wedge between its two tangent planes, painted by supersampling.
 #![allow(
     dead_code,
+    unused_imports,
     unreachable_pub,
     clippy::unwrap_used,
     reason = "each test file uses a part"

@@ -6,13 +6,9 @@ use rodsight_geometry::{Camera, Distortion, MountedCamera, Pixel, Rig, RigFile, 
 
 use super::draft::{Draft, parse_rig};
 
-/// Without ports the cameras are those of the last: in water, with the focal length that those behind ports have near their axes.
-pub(crate) const PORTS: &[&str] = &[
-    "no port",
-    "port known",
-    "taken for distortion",
-    "taken for focal length",
-];
+/// What the solver takes the ports for. Without ports the cameras are those of the last: in water, with the focal length that those
+/// behind ports have near their axes.
+pub(crate) const PORTS: &[&str] = &["no port", "ports", "distortion", "focal length"];
 
 const PORT_RIG: &str = include_str!("../../../../../scenes/rigs/flat_port.toml");
 /// Where the target of a calibration under water stands, m ahead.
@@ -29,8 +25,8 @@ pub(crate) fn port(draft: &mut Draft, name: &str) {
         _ => behind,
     });
     draft.believed = match name {
-        "taken for distortion" => Some(believed(&rig, fitted)),
-        "taken for focal length" => Some(pinholes),
+        "distortion" => Some(believed(&rig, fitted)),
+        "focal length" => Some(pinholes),
         _ => None,
     };
 }
