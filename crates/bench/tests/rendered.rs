@@ -7,8 +7,8 @@ mod scenes;
 
 use asked::answer::Answer;
 use rodsight_geometry::{Cylinder, Eye, Image, Pixel, Rig, Samples, StereoPair};
-use rodsight_render::srgb_decode;
-use rodsight_scene::{Material, Mode};
+use rodsight_render::{CpuRenderer, Renderer, srgb_decode};
+use rodsight_scene::{Exposure, Lens, Material, Mode, SensorEntry};
 use rodsight_solver::{Method, Status};
 use scenes::draft::{Draft, Trial};
 use scenes::{looks, ports};
@@ -66,6 +66,43 @@ fn rods_are_in_both_images() {
     assert!(draft.finish().is_none());
 }
 
+/// What is rendered through a window is what the whole image has there: the samples of a pixel at an edge lie elsewhere, and the
+/// water's light is interpolated between other places, but no more; at the border the lens blurs what is inside alone. A window that is a pixel aside is found out.
+#[test]
+fn windows_show_what_the_whole_image_shows() {
+    const MARGIN_PX: u32 = 5;
+    let mut trial = trial(1, |draft| draft.file.sensor = SensorEntry::default());
+    trial.scene.exposure = Exposure::Fixed(20.0);
+    let whole = CpuRenderer
+        .shoot(&trial.scene, &|_| ())
+        .expect("a scene that can be rendered");
+    let pair = shot(&trial).pair;
+    for (eye, part) in [(Eye::Left, &pair.left), (Eye::Right, &pair.right)] {
+        let (Samples::U8(part), Samples::U8(whole)) = (part.samples(), whole.eye(eye).samples())
+        else {
+            panic!("8 bits");
+        };
+        let region = trial.regions[eye as usize];
+        let width = 1920;
+        let differ = |aside: usize| {
+            let rows = region.y_px + MARGIN_PX..region.y_px + region.height_px - MARGIN_PX;
+            let differ = rows.flat_map(|y| {
+                let from = 3 * (y as usize * width + (region.x_px + MARGIN_PX) as usize);
+                let to = from + 3 * (region.width_px - 2 * MARGIN_PX) as usize;
+                part[from..to]
+                    .iter()
+                    .zip(&whole[from - 3 * aside..])
+                    .map(|(a, b)| a.abs_diff(*b))
+            });
+            let by_more = differ.filter(|codes| *codes > 2).count();
+            by_more as f64 / f64::from(3 * region.width_px * region.height_px)
+        };
+        let (here, aside) = (differ(0), differ(1));
+        assert!(here < 1e-3, "{eye:?}: {here}");
+        assert!(aside > 2e-2, "{eye:?}: {aside}");
+    }
+}
+
 /// Linear brightness of the pixel that a place is in.
 fn green(image: &Image, at: &Pixel) -> f64 {
     let Samples::U8(samples) = image.samples() else {
@@ -120,8 +157,8 @@ fn limbs_by_formula_are_where_the_picture_shows_them() {
         let mut trial = trial(seed, |draft| {
             draft.file.mode = Mode::Air;
             draft.file.seabed = None;
-            draft.file.lens = rodsight_scene::Lens::default();
-            draft.file.sensor = rodsight_scene::SensorEntry::default();
+            draft.file.lens = Lens::default();
+            draft.file.sensor = SensorEntry::default();
         });
         trial.scene.rods[0].material = Material::Flat([1.0; 3]);
         trial.scene.background_radiance = [0.5; 3];
