@@ -1,5 +1,7 @@
 //! The statistical limit: by its doors, of limbs in pieces, and of painted pairs.
 
+#[path = "../examples/asked/mod.rs"]
+mod asked;
 #[path = "../examples/painted/mod.rs"]
 mod painted;
 

@@ -1,9 +1,11 @@
 //! Some of the scenes of `--example trials`, of every kind: what is called sure is right.
 
+#[path = "../examples/asked/mod.rs"]
+mod asked;
 #[path = "../examples/painted/mod.rs"]
 mod painted;
 
-use painted::answer::Answer;
+use asked::answer::Answer;
 use painted::kinds::{KINDS, draw};
 use rayon::prelude::*;
 use rodsight_solver::{Method, Status};
@@ -17,7 +19,7 @@ fn what_is_called_sure_is_right() {
         .par_iter()
         .filter_map(|kind| {
             let trial = draw(kind, SEED)?;
-            let answer = Answer::of(SEED, &trial, &trial.pair(), Method::Joint);
+            let answer = trial.answer(SEED, &trial.pair(), Method::Joint);
             Some((*kind, answer.expect("requests make sense")))
         })
         .collect();

@@ -1,33 +1,12 @@
 //! A scene and a request that can still be changed.
 
-use rodsight_geometry::{Cylinder, Eye, Pixel, Rig, StereoPair, Vec3, radians};
-use rodsight_solver::{CalibrationSigma, Pick, RadiusPrior, Request, Roi};
+use rodsight_geometry::{Cylinder, Eye, Pixel, Rig, StereoPair};
+use rodsight_solver::{CalibrationSigma, Method, Pick, RadiusPrior, SolveError};
 
-use super::painter::{Random, Scene};
-
-/// A region that the founding paper's chain is used with, px.
-const REGION_PX: [u32; 2] = [640, 700];
-
-/// What is asked, but for the images.
-pub(crate) struct Asked {
-    pub(crate) regions: [Option<Roi>; 2],
-    pub(crate) pick: Option<Pick>,
-    pub(crate) radius: Option<RadiusPrior>,
-    pub(crate) calibration: Option<CalibrationSigma>,
-}
-
-impl Asked {
-    pub(crate) fn of<'a>(&self, pair: &'a StereoPair) -> Request<'a> {
-        Request {
-            roi_left: self.regions[0],
-            roi_right: self.regions[1],
-            pick: self.pick,
-            radius: self.radius,
-            calibration: self.calibration,
-            ..Request::new(pair)
-        }
-    }
-}
+use super::painter::Scene;
+use crate::asked::answer::Answer;
+use crate::asked::dice::Dice;
+use crate::asked::{Asked, REGION_PX, region};
 
 /// A scene and what is asked of it.
 pub(crate) struct Trial {
@@ -40,6 +19,15 @@ pub(crate) struct Trial {
 }
 
 impl Trial {
+    pub(crate) fn answer(
+        &self,
+        seed: u64,
+        pair: &StereoPair,
+        method: Method,
+    ) -> Result<Answer, SolveError> {
+        Answer::of(seed, &self.request, self.target.as_ref(), pair, method)
+    }
+
     /// The images, with the rig as the solver is told.
     pub(crate) fn pair(&self) -> StereoPair {
         StereoPair {
@@ -102,21 +90,13 @@ impl Draft {
             self.scene.rods.clear();
         }
         let mut regions = [None; 2];
-        if let Some([width_px, height_px]) = self.region_px {
+        if let Some(size_px) = self.region_px {
             for eye in Eye::BOTH {
                 let drawn =
                     Pixel::new(self.dice.within(-60.0, 60.0), self.dice.within(-60.0, 60.0));
                 let at = seen[eye as usize] + self.region_off_px[eye as usize].unwrap_or(drawn);
-                let i = *self.scene.rig.eye(eye).camera.intrinsics();
-                let first = |at: f64, length: u32, all: u32| {
-                    (at - 0.5 * f64::from(length)).clamp(0.0, f64::from(all - length)) as u32
-                };
-                regions[eye as usize] = Some(Roi {
-                    x_px: first(at.x, width_px, i.width_px),
-                    y_px: first(at.y, height_px, i.height_px),
-                    width_px,
-                    height_px,
-                });
+                let camera = &self.scene.rig.eye(eye).camera;
+                regions[eye as usize] = Some(region(camera, &at, size_px));
             }
         }
         self.scene.only = regions;
@@ -134,45 +114,5 @@ impl Draft {
             target: self.is_there.then_some(target),
             scene: self.scene,
         })
-    }
-}
-
-/// What draws by seed.
-pub(crate) struct Dice(pub(crate) Random);
-
-impl Dice {
-    pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.0.uniform()
-    }
-
-    /// Small values as often as large ones.
-    pub(crate) fn log_within(&mut self, low: f64, high: f64) -> f64 {
-        low * libm::pow(high / low, self.0.uniform())
-    }
-
-    pub(crate) fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
-        all[((self.0.uniform() * all.len() as f64) as usize).min(all.len() - 1)]
-    }
-
-    pub(crate) fn colour(&mut self) -> [f64; 3] {
-        self.one_of(&[
-            [0.6, 0.3, 0.06],
-            [0.5, 0.5, 0.45],
-            [0.15, 0.15, 0.15],
-            [0.7, 0.6, 0.05],
-            [0.4, 0.05, 0.03],
-            [0.05, 0.3, 0.1],
-        ])
-    }
-
-    /// A lamp at so many degrees from the view's axis, aside in a direction.
-    pub(crate) fn lamp(&mut self, from_deg: f64, to_deg: f64, side_rad: f64) -> Vec3 {
-        let off = radians(self.within(from_deg, to_deg));
-        let aside = libm::sin(off);
-        Vec3::new(
-            -libm::cos(off),
-            aside * libm::cos(side_rad),
-            aside * libm::sin(side_rad),
-        ) * self.within(0.5, 1.0)
     }
 }

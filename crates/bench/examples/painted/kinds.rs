@@ -3,8 +3,9 @@
 use rodsight_geometry::{Cylinder, Pose, Vec3, radians, rotation_from_rpy};
 use rodsight_solver::{CalibrationSigma, RadiusPrior};
 
-use super::draft::{Dice, Draft, Trial};
-use super::painter::{Ball, Random, Scene, Texture, rig, rod};
+use super::draft::{Draft, Trial};
+use super::painter::{Ball, Scene, Texture, rig, rod};
+use crate::asked::dice::{Dice, Random};
 
 /// Every kind of scene.
 pub(crate) const KINDS: [&str; 30] = [

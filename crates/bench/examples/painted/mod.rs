@@ -10,7 +10,6 @@
 #[path = "../../../solver/tests/common/mod.rs"]
 pub(crate) mod painter;
 
-pub(crate) mod answer;
 pub(crate) mod draft;
 pub(crate) mod kinds;
 pub(crate) mod limbs;

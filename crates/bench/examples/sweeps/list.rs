@@ -1,62 +1,27 @@
 //! The sweeps: what changes, over which values, and how a value changes the scene.
 
-use crate::chart::scale::{Spread, number};
+use crate::chart::scale::Spread;
 use crate::painted::draft::{Draft, Trial};
+use crate::swept::variable::{Values, Variable};
 use crate::targets as to;
-
-/// The values of a variable.
-#[derive(Clone, Copy)]
-pub(crate) enum Values {
-    Of(Spread, &'static [f64]),
-    /// Named, not measured: a value is its place in the list.
-    Named(&'static [&'static str]),
-}
 
 /// One variable. What a value does to the place of things is done before regions and pick are put on the rod, what it does to their
 /// looks after.
 #[derive(Clone, Copy)]
 pub(crate) struct Sweep {
-    pub(crate) name: &'static str,
-    pub(crate) title: &'static str,
-    /// What the values are, with their unit.
-    pub(crate) variable: &'static str,
-    pub(crate) values: Values,
+    pub(crate) variable: Variable,
     pub(crate) place: fn(&mut Draft, f64),
     pub(crate) dress: fn(&mut Trial, f64),
 }
 
-impl Sweep {
-    /// Values and their names, in order.
-    pub(crate) fn values(&self) -> Vec<(f64, String)> {
-        match self.values {
-            Of(_, values) => values.iter().map(|v| (*v, number(*v))).collect(),
-            Named(names) => names
-                .iter()
-                .enumerate()
-                .map(|(k, name)| (k as f64, (*name).to_owned()))
-                .collect(),
-        }
-    }
-
-    pub(crate) fn spread(&self) -> Spread {
-        match self.values {
-            Of(spread, _) => spread,
-            Named(_) => Even,
-        }
-    }
-}
-
 const fn placed(
     name: &'static str,
-    [title, variable]: [&'static str; 2],
+    words: [&'static str; 2],
     values: Values,
     place: fn(&mut Draft, f64),
 ) -> Sweep {
     Sweep {
-        name,
-        title,
-        variable,
-        values,
+        variable: Variable::new(name, words, values),
         place,
         dress: to::same_looks,
     }
@@ -64,15 +29,12 @@ const fn placed(
 
 const fn dressed(
     name: &'static str,
-    [title, variable]: [&'static str; 2],
+    words: [&'static str; 2],
     values: Values,
     dress: fn(&mut Trial, f64),
 ) -> Sweep {
     Sweep {
-        name,
-        title,
-        variable,
-        values,
+        variable: Variable::new(name, words, values),
         place: to::same_place,
         dress,
     }

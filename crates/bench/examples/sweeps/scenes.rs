@@ -2,61 +2,37 @@
 
 use std::error::Error;
 
-use rayon::prelude::*;
-use rodsight_solver::{Method, SolveError};
+use rodsight_solver::Method;
 
+use crate::asked::Failure;
 use crate::list::Sweep;
-use crate::painted::answer::Answer;
-use crate::painted::draft::Trial;
+use crate::painted::draft::{Draft, Trial};
 use crate::painted::kinds::draft;
 use crate::painted::limbs::Limbs;
-use crate::rows::Row;
+use crate::swept;
+use crate::swept::rows::Row;
 
 /// A row per value, seed and method.
 pub(crate) fn solve_all(sweep: &Sweep, count: usize) -> Result<Vec<Row>, Box<dyn Error>> {
-    let values = sweep.values();
-    let seeds = seeds(sweep, count)?;
-    let scenes: Vec<(&(f64, String), u64)> = values
-        .iter()
-        .flat_map(|value| seeds.iter().map(move |seed| (value, *seed)))
-        .collect();
-    let rows: Vec<Vec<Row>> = scenes
-        .par_iter()
-        .map(|((value, name), seed)| solve_one(sweep, (*value, name), *seed))
-        .collect::<Result<_, _>>()?;
-    Ok(rows.concat())
+    let is_seen = |value, seed| placed(sweep, value, seed).seen_at().is_some();
+    swept::solve_all(&sweep.variable, count, is_seen, |value, seed| {
+        solve_one(sweep, value, seed)
+    })
 }
 
-/// The first seeds whose rod is in both images at every value: what is compared is the same scenes.
-fn seeds(sweep: &Sweep, count: usize) -> Result<Vec<u64>, String> {
-    let is_seen = |seed: &u64| {
-        sweep.values().iter().all(|(value, _)| {
-            let mut draft = draft("clean", *seed);
-            (sweep.place)(&mut draft, *value);
-            draft.seen_at().is_some()
-        })
-    };
-    let tried = 100 * count as u64;
-    let found: Vec<u64> = (0..tried).filter(is_seen).take(count).collect();
-    if found.len() < count {
-        return Err(format!(
-            "{}: expected {count} scenes whose rod is in both images at every value, found {} of {tried}",
-            sweep.name,
-            found.len()
-        ));
-    }
-    Ok(found)
+fn placed(sweep: &Sweep, value: f64, seed: u64) -> Draft {
+    let mut draft = draft("clean", seed);
+    (sweep.place)(&mut draft, value);
+    draft
 }
 
 fn trial(sweep: &Sweep, value: f64, seed: u64) -> Option<Trial> {
-    let mut draft = draft("clean", seed);
-    (sweep.place)(&mut draft, value);
-    let mut trial = draft.finish()?;
+    let mut trial = placed(sweep, value, seed).finish()?;
     (sweep.dress)(&mut trial, value);
     Some(trial)
 }
 
-fn solve_one(sweep: &Sweep, value: (f64, &str), seed: u64) -> Result<Vec<Row>, SolveError> {
+fn solve_one(sweep: &Sweep, value: (f64, &str), seed: u64) -> Result<Vec<Row>, Failure> {
     let Some(trial) = trial(sweep, value.0, seed) else {
         unreachable!("seeds are of scenes that can be drawn");
     };
@@ -70,7 +46,7 @@ fn solve_one(sweep: &Sweep, value: (f64, &str), seed: u64) -> Result<Vec<Row>, S
     Method::ALL
         .into_iter()
         .map(|method| {
-            let answer = Answer::of(seed, &trial, &pair, method)?;
+            let answer = trial.answer(seed, &pair, method)?;
             Ok(Row::new(value, &answer, limit.as_ref(), contrast))
         })
         .collect()

@@ -5,10 +5,11 @@ use rodsight_geometry::{
 };
 use rodsight_solver::CalibrationSigma;
 
-use crate::painted::draft::{Dice, Draft, Trial};
+use crate::asked::dice::{Dice, Random};
+use crate::painted::draft::{Draft, Trial};
 use crate::painted::kinds;
 use crate::painted::limbs::Limbs;
-use crate::painted::painter::{Ball, Random, Scene, Texture, rig};
+use crate::painted::painter::{Ball, Scene, Texture, rig};
 
 /// Noise under which there is not more contrast over noise but less contrast, of 1: 2.5 of 255 codes, so that the dark end of the
 /// scale cuts off none of it.

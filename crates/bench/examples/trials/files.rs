@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::painted::answer::{Answer, status_name};
+use crate::asked::answer::{Answer, status_name};
 
 #[derive(Serialize)]
 struct Row<'a> {

@@ -7,6 +7,8 @@
 
 #![expect(clippy::print_stdout, reason = "it is what it is for")]
 
+#[path = "../asked/mod.rs"]
+mod asked;
 #[path = "../chart/mod.rs"]
 mod chart;
 mod files;
@@ -17,7 +19,7 @@ mod plots;
 use std::error::Error;
 use std::path::PathBuf;
 
-use painted::answer::Answer;
+use asked::answer::Answer;
 use painted::kinds::{KINDS, draw};
 use rayon::prelude::*;
 use rodsight_bench::statistics::{anees, quantile, share_interval};
@@ -86,7 +88,7 @@ fn answer(kind: &str, seed: u64) -> Result<Option<Answer>, SolveError> {
     let Some(trial) = draw(kind, seed) else {
         return Ok(None);
     };
-    Answer::of(seed, &trial, &trial.pair(), Method::Joint).map(Some)
+    trial.answer(seed, &trial.pair(), Method::Joint).map(Some)
 }
 
 fn with(answers: &[Answer], status: Status) -> impl Iterator<Item = &Answer> {

@@ -8,12 +8,12 @@ use rodsight_bench::SUCCESS_LEVELS;
 use rodsight_bench::statistics::{coverage, holds, risk_coverage, share_interval};
 use rodsight_solver::Status;
 
+use crate::asked::answer::Answer;
 use crate::chart::panel::Panel;
 use crate::chart::scale::{Scale, Spread};
 use crate::chart::{
     AMBER, Area, BLUE, DrawError, GREY, LABEL_PX, Mark, TITLE_PX, VERMILION, WIDTH_PX, legend, text,
 };
-use crate::painted::answer::Answer;
 
 /// The probabilities of the ellipsoids that are looked at.
 const PROBABILITIES: [f64; 4] = [0.5, 0.9, 0.95, 0.99];

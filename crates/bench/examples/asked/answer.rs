@@ -1,10 +1,10 @@
 //! What a method answered, and how far off that is.
 
 use rodsight_bench::{Errors, Nees, located, measure_cylinder, statistics::is_wrong};
-use rodsight_geometry::{StereoPair, degrees};
+use rodsight_geometry::{Cylinder, StereoPair, degrees};
 use rodsight_solver::{Estimate, Method, PaperParams, SolveError, Status, solve};
 
-use super::draft::Trial;
+use super::Asked;
 
 /// An answer and its errors, if it gave an axis and there is a rod.
 pub(crate) struct Answer {
@@ -17,25 +17,23 @@ pub(crate) struct Answer {
 }
 
 impl Answer {
-    /// Solves a trial.
+    /// Solves a pair; `target` is the rod with its grasp as the axis' reference point, if there is one.
     pub(crate) fn of(
         seed: u64,
-        trial: &Trial,
+        asked: &Asked,
+        target: Option<&Cylinder>,
         pair: &StereoPair,
         method: Method,
     ) -> Result<Self, SolveError> {
-        let estimate = solve(&trial.request.of(pair), method, &PaperParams::default())?;
-        let errors = trial
-            .target
-            .and_then(|target| measure_cylinder(&target, &estimate));
-        let claimed_offset_m = trial
-            .target
-            .and_then(|target| located(&estimate)?.claimed_offset_m(&target.axis.point_m));
+        let estimate = solve(&asked.of(pair), method, &PaperParams::default())?;
+        let errors = target.and_then(|target| measure_cylinder(target, &estimate));
+        let claimed_offset_m =
+            target.and_then(|target| located(&estimate)?.claimed_offset_m(&target.axis.point_m));
         Ok(Self {
             seed,
             errors,
             claimed_offset_m,
-            has_rod: trial.target.is_some(),
+            has_rod: target.is_some(),
             estimate,
         })
     }
@@ -64,6 +62,10 @@ impl Answer {
 
     pub(crate) fn angle_deg(&self) -> Option<f64> {
         Some(degrees(self.answered()?.axis_angle_rad))
+    }
+
+    pub(crate) fn radius_error_mm(&self) -> Option<f64> {
+        Some(1e3 * self.answered()?.radius_m?)
     }
 
     pub(crate) fn nees(&self) -> Option<Nees> {

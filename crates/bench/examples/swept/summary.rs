@@ -6,8 +6,8 @@ use rodsight_bench::statistics::{
 };
 use rodsight_solver::Method;
 
-use crate::list::Sweep;
-use crate::rows::Row;
+use super::rows::Row;
+use super::variable::Variable;
 
 const RESAMPLES: usize = 1000;
 
@@ -30,7 +30,9 @@ pub(crate) struct MethodSummary {
     pub(crate) median_mm: Option<Interval>,
     pub(crate) p95_mm: Option<f64>,
     pub(crate) median_deg: Option<f64>,
+    pub(crate) p95_deg: Option<f64>,
     pub(crate) ok_and_wrong: usize,
+    pub(crate) degraded_and_wrong: usize,
     pub(crate) anees: Option<f64>,
     pub(crate) coverage_95: Option<f64>,
     /// Of what is called ok and whose limit is known.
@@ -48,9 +50,9 @@ impl MethodSummary {
 }
 
 impl Summary {
-    /// In the order of the sweep's values; values without rows are left out.
-    pub(crate) fn of(sweep: &Sweep, rows: &[Row]) -> Vec<Self> {
-        sweep
+    /// In the order of the variable's values; values without rows are left out.
+    pub(crate) fn of(variable: &Variable, rows: &[Row]) -> Vec<Self> {
+        variable
             .values()
             .into_iter()
             .filter_map(|(value, name)| {
@@ -71,13 +73,17 @@ impl Summary {
     }
 }
 
-fn summarise(method: Method, rows: &[&Row]) -> MethodSummary {
+pub(crate) fn summarise(method: Method, rows: &[&Row]) -> MethodSummary {
     let mine: Vec<&Row> = rows
         .iter()
         .copied()
         .filter(|row| row.method == method.name())
         .collect();
     let with = |status: &str| mine.iter().filter(|row| row.status == status).count();
+    let wrong = |status: &str| {
+        let wrong = mine.iter().filter(|row| row.is_wrong);
+        wrong.filter(|row| row.status == status).count()
+    };
     let answered = || mine.iter().filter(|row| row.is_answered());
     let ok = || mine.iter().filter(|row| row.status == "ok");
     let off_mm: Vec<f64> = answered().filter_map(|row| row.offset_mm).collect();
@@ -94,7 +100,9 @@ fn summarise(method: Method, rows: &[&Row]) -> MethodSummary {
         median_mm: median_interval(&off_mm, 0.95, RESAMPLES, 1),
         p95_mm: quantile(&off_mm, 0.95),
         median_deg: quantile(&off_deg, 0.5),
-        ok_and_wrong: ok().filter(|row| row.is_wrong).count(),
+        p95_deg: quantile(&off_deg, 0.95),
+        ok_and_wrong: wrong("ok"),
+        degraded_and_wrong: wrong("degraded"),
         anees: anees(&nees),
         coverage_95: coverage(&nees, 0.95),
         efficiency: efficiency(&against),

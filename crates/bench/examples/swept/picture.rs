@@ -6,14 +6,14 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 use rodsight_solver::Method;
 
+use super::summary::{MethodSummary, Summary};
+use super::variable::{Values, Variable};
 use crate::chart::panel::Panel;
 use crate::chart::scale::{Scale, Spread};
 use crate::chart::{
     AMBER, Area, BLUE, DrawError, GREEN, GREY, INK, LABEL_PX, Mark, TITLE_PX, VERMILION, WIDTH_PX,
     legend, text,
 };
-use crate::list::{Sweep, Values};
-use crate::summary::{MethodSummary, Summary};
 
 const HEIGHT_PX: u32 = 880;
 /// Where the lower panel begins, px.
@@ -29,7 +29,11 @@ fn colour(method: Method) -> RGBColor {
     }
 }
 
-pub(crate) fn draw(path: &Path, sweep: &Sweep, summaries: &[Summary]) -> Result<(), DrawError> {
+pub(crate) fn draw(
+    path: &Path,
+    variable: &Variable,
+    summaries: &[Summary],
+) -> Result<(), DrawError> {
     let root = SVGBackend::new(path, (WIDTH_PX, HEIGHT_PX)).into_drawing_area();
     root.fill(&WHITE)?;
     let left = |at: (i32, i32), size_px: u32, words: String| {
@@ -39,7 +43,7 @@ pub(crate) fn draw(path: &Path, sweep: &Sweep, summaries: &[Summary]) -> Result<
             text(size_px, HPos::Left, VPos::Center),
         ))
     };
-    left((16, 28), TITLE_PX, sweep.title.to_owned())?;
+    left((16, 28), TITLE_PX, variable.title.to_owned())?;
     let lines = Method::ALL.map(|method| (Mark::Line, colour(method), method.name()));
     legend(&root, [20, 68], &lines)?;
     legend(
@@ -54,12 +58,12 @@ pub(crate) fn draw(path: &Path, sweep: &Sweep, summaries: &[Summary]) -> Result<
     let (upper, lower) = root.split_vertically(LOWER_PX);
     let (_, upper) = upper.split_vertically(124);
     let x = Scale::over(
-        sweep.spread(),
+        variable.spread(),
         (summaries.iter())
             .map(|summary| (summary.value, summary.name.clone()))
             .collect(),
     );
-    errors(&upper, &x, sweep, summaries)?;
+    errors(&upper, &x, variable, summaries)?;
     let (head, lower) = lower.split_vertically(40);
     legend(
         &head,
@@ -70,7 +74,7 @@ pub(crate) fn draw(path: &Path, sweep: &Sweep, summaries: &[Summary]) -> Result<
             (Mark::Square, GREY, "refused"),
         ],
     )?;
-    answers(&lower, &x, sweep, summaries)?;
+    answers(&lower, &x, variable, summaries)?;
     let scenes = summaries
         .iter()
         .flat_map(|summary| &summary.methods)
@@ -89,7 +93,7 @@ pub(crate) fn draw(path: &Path, sweep: &Sweep, summaries: &[Summary]) -> Result<
 fn errors(
     area: &Area<'_>,
     x: &Scale,
-    sweep: &Sweep,
+    variable: &Variable,
     summaries: &[Summary],
 ) -> Result<(), DrawError> {
     let kept = |mm: f64| mm.clamp(DRAWN_MM[0], DRAWN_MM[1]);
@@ -102,7 +106,7 @@ fn errors(
     });
     let y = Scale::decades(drawn);
     let mut panel = Panel::new(area, [x, &y], None, "axis off at the grasp, mm")?;
-    if matches!(sweep.values, Values::Named(_)) {
+    if matches!(variable.values, Values::Named(_)) {
         marks(&mut panel, [x, &y], summaries)
     } else {
         lines(&mut panel, [x, &y], summaries)
@@ -189,12 +193,12 @@ fn stretches<T>(summaries: &[Summary], point: impl Fn(&Summary) -> Option<T>) ->
 fn answers(
     area: &Area<'_>,
     x: &Scale,
-    sweep: &Sweep,
+    variable: &Variable,
     summaries: &[Summary],
 ) -> Result<(), DrawError> {
     let named = [(0.0, "0"), (0.5, "50"), (1.0, "100")].map(|(v, name)| (v, name.to_owned()));
     let y = Scale::over(Spread::Linear, named.to_vec());
-    let mut panel = Panel::new(area, [x, &y], Some(sweep.variable), "scenes, %")?;
+    let mut panel = Panel::new(area, [x, &y], Some(variable.meaning), "scenes, %")?;
     let places = x.places();
     let gaps = places.windows(2).map(|pair| pair[1] - pair[0]);
     let half = 0.4 * gaps.fold(0.06, f64::min);

@@ -4,13 +4,13 @@ use std::fmt::Write as _;
 
 use rodsight_solver::Method;
 
-use crate::list::Sweep;
-use crate::summary::{MethodSummary, Summary};
+use super::summary::{MethodSummary, Summary};
+use super::variable::Variable;
 
 const NONE: &str = "–";
 
 /// One line per value: `joint` in full, of the others how far off they are and how often they answer.
-pub(crate) fn markdown(sweep: &Sweep, summaries: &[Summary]) -> String {
+pub(crate) fn markdown(variable: &Variable, summaries: &[Summary]) -> String {
     let count = summaries
         .iter()
         .flat_map(|summary| &summary.methods)
@@ -18,13 +18,13 @@ pub(crate) fn markdown(sweep: &Sweep, summaries: &[Summary]) -> String {
         .max();
     let mut text = format!(
         "### {} (`{}`, {} scenes a value)\n\n",
-        sweep.title,
-        sweep.name,
+        variable.title,
+        variable.name,
         count.unwrap_or(0)
     );
-    let variable = sweep.variable;
+    let meaning = variable.meaning;
     let heads = format!(
-        "| {variable} | joint: off, mm: median [95 %] | p95 | angle, °: median | ok / degraded / refused, % | ok and wrong | ANEES \
+        "| {meaning} | joint: off, mm: median [95 %] | p95 | angle, °: median | ok / degraded / refused, % | ok and wrong | ANEES \
          | 95 % coverage | efficiency | limit, mm | paper: off, mm: median [95 %] | p95 | answered, % \
          | paper-bisector: off, mm: median [95 %] | p95 | answered, % |\n"
     );
@@ -83,7 +83,7 @@ fn interval(of: &MethodSummary) -> String {
 }
 
 /// Three digits, or two behind the point of what is large.
-fn short(value: Option<f64>) -> String {
+pub(crate) fn short(value: Option<f64>) -> String {
     let Some(value) = value else {
         return NONE.to_owned();
     };

@@ -7,7 +7,7 @@ use rodsight_bench::{Limit, Nees};
 use rodsight_geometry::degrees;
 use serde::{Deserialize, Serialize};
 
-use crate::painted::answer::{Answer, status_name};
+use crate::asked::answer::{Answer, status_name};
 
 /// A scene and a method's answer to it; what is not known is empty.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -24,6 +24,8 @@ pub(crate) struct Row {
     /// Axis offset at the true grasp, mm.
     pub(crate) offset_mm: Option<f64>,
     pub(crate) angle_deg: Option<f64>,
+    /// Signed: less than nothing of a rod that is taken for thinner than it is.
+    pub(crate) radius_error_mm: Option<f64>,
     pub(crate) nees: Option<f64>,
     pub(crate) nees_dof: Option<usize>,
     pub(crate) is_wrong: bool,
@@ -53,6 +55,7 @@ impl Row {
             reason: answer.estimate.reason.clone().unwrap_or_default(),
             offset_mm: answer.offset_mm(),
             angle_deg: answer.angle_deg(),
+            radius_error_mm: answer.radius_error_mm(),
             nees: answer.nees().map(|nees| nees.value),
             nees_dof: answer.nees().map(|nees| nees.dof),
             is_wrong: answer.is_wrong(),
