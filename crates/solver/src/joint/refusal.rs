@@ -14,9 +14,13 @@ pub(crate) enum Refusal {
     #[error("the limbs cannot be followed through the pixels")]
     Lost,
     #[error(
-        "too few limbs: of four {unseen} not seen where the others put them, {soft} lost in the rod's own shadow; three are enough, or one in each image and the radius"
+        "too few limbs: of {number} {unseen} not seen where the others put them, {soft} lost in the rod's own shadow; three are enough, or one in each image and the radius"
     )]
-    Unseen { unseen: usize, soft: usize },
+    Unseen {
+        number: String,
+        unseen: usize,
+        soft: usize,
+    },
     #[error("no rod fits the pixels: the fit does not come to rest")]
     Restless,
     #[error(
