@@ -36,6 +36,7 @@ pub(super) fn give(
         prior,
         limbs,
         faded,
+        ..
     }: &Located,
 ) -> Result<(), Refusal> {
     let rig = &request.pair.rig;

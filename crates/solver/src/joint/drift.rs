@@ -102,3 +102,99 @@ fn turn(by_rad: &Vec3) -> Mat3 {
     let inverse = (Mat3::identity() - half).try_inverse();
     inverse.unwrap_or_else(Mat3::identity) * (Mat3::identity() + half)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::state::UNKNOWNS;
+    use super::*;
+
+    fn state() -> State {
+        let cylinder = Cylinder {
+            axis: Line3::new(Vec3::new(1.5, 0.1, -0.2), &Vec3::new(0.3, 0.2, 1.0)),
+            radius_m: 0.05,
+        };
+        let mut state = State::new(cylinder, 0.2);
+        let [a, b] = state.across;
+        state.bend_per_m = Some(a * 0.3 - b * 0.2);
+        state
+    }
+
+    fn drift() -> Drift {
+        let sigma = MoveSigma {
+            translation_m: 0.01,
+            rotation_rad: 0.005,
+        };
+        Drift::new(&sigma, Vec3::new(0.1, -0.3, 0.2))
+    }
+
+    /// The axis at places along, and the radius.
+    fn shape(state: &State) -> Vec<Vec3> {
+        let d = state.cylinder.axis.direction;
+        let reference = self::state().cylinder.axis;
+        let at = |k: i32| {
+            // Where the curve crosses planes across the axis: a slide along itself is no change.
+            let plane_m = 0.2 * f64::from(k);
+            let mut along_m = plane_m;
+            for _ in 0..50 {
+                let point_m = state.tangent(along_m).axis.point_m;
+                let ahead_m = (point_m - reference.point_m).dot(&reference.direction);
+                along_m += (plane_m - ahead_m) / d.dot(&reference.direction);
+            }
+            state.tangent(along_m).axis.point_m
+        };
+        (-2..=2).map(at).collect()
+    }
+
+    /// A drift moves the rod as the unknowns do that stand for it.
+    #[test]
+    fn drifts_are_steps_of_the_rod() {
+        let (state, drift) = (state(), drift());
+        let by = drift.of_rod(&state);
+        for k in 0..DRIFT {
+            let size = 1e-5;
+            let mut drifted = SVector::<f64, DRIFT>::zeros();
+            drifted[k] = size;
+            let mut step = SVector::<f64, UNKNOWNS>::zeros();
+            step.fixed_rows_mut::<ROD>(0).copy_from(&(by * drifted));
+            let found = shape(&drift.moved(&drifted).seen(&state, &state));
+            let expected = shape(&state.moved(&step));
+            let far_m = found.iter().zip(shape(&state));
+            let far_m = far_m.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            for (found, expected) in found.iter().zip(&expected) {
+                let off_m = (found - expected).norm();
+                // A parabola that slides is not quite one that turns.
+                assert!(off_m < 3e-3 * size, "{k}: {off_m} of {far_m}");
+            }
+            // Only along itself a rod would not be seen to move.
+            assert!(far_m > 0.01 * size, "{k}: {far_m}");
+        }
+    }
+
+    /// A rod that drifted there and back is where it was; and one that is not known to drift does not.
+    #[test]
+    fn turns_keep_shape() {
+        let (state, drift) = (state(), drift());
+        let still = drift.seen(&state, &state).cylinder.axis;
+        assert!((still.point_m - state.cylinder.axis.point_m).norm() < 1e-15);
+        assert_eq!(still.direction, state.cylinder.axis.direction);
+        let far = drift.moved(&SVector::from([0.1, -0.2, 0.3, 0.5, -0.4, 0.7]));
+        let seen = far.seen(&state, &state);
+        let [a, b] = seen.across;
+        let d = seen.cylinder.axis.direction;
+        for off in [
+            d.norm() - 1.0,
+            a.norm() - 1.0,
+            a.dot(&b),
+            a.dot(&d),
+            b.dot(&d),
+        ] {
+            assert!(off.abs() < 1e-14, "{off}");
+        }
+        let bends = [&seen, &state].map(|s| s.bend_per_m.map_or(0.0, |bend| bend.norm()));
+        assert!((bends[0] - bends[1]).abs() < 1e-14);
+        let squares = [0.1, 0.2, 0.3].map(|v: f64| v * v / 1e-4);
+        let turns = [0.5, 0.4, 0.7].map(|v: f64| v * v / 2.5e-5);
+        let expected: f64 = squares.iter().chain(&turns).sum();
+        assert!((2.0 * far.cost() / expected - 1.0).abs() < 1e-12);
+    }
+}

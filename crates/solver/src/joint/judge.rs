@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
-use super::block::{ALL, EDGES};
+use super::block::{ALL, EDGES, OF_ALL};
 use super::climb::{Fit, Fits, Prior, add_known};
+use super::covariance::{Covariance, Edges, OfEdges, inverted, mahalanobis, no_surer};
 use super::drift::{DRIFT, Drift};
 use super::limbs::{Found, Limb};
 use super::state::{BEND, RADIUS, ROD, State, UNKNOWNS};
@@ -38,8 +39,6 @@ pub(crate) struct Judgement {
     pub(crate) redundancies: usize,
 }
 
-type Edges = SMatrix<f64, EDGES, EDGES>;
-type OfEdges = SVector<f64, EDGES>;
 /// The rod's parameters by edges.
 type Estimator = SMatrix<f64, ROD, EDGES>;
 
@@ -65,16 +64,17 @@ pub(crate) fn judge(
     prior: Option<Prior>,
     calibration: Option<&CalibrationSigma>,
 ) -> Option<Judgement> {
+    let is_alone = fits.pairs.len() == 1;
     // A pair that sees no limb says nothing.
     let is_seen = |limbs: &[[Found; 2]; 2]| limbs.iter().flatten().any(|f| f.limb == Limb::Seen);
     let pairs = fits.pairs.iter().zip(limbs).enumerate();
     let all: Vec<Told> = pairs
         .filter(|(pair, (_, limbs))| *pair == 0 || is_seen(limbs))
-        .map(|(_, (fit, limbs))| told(fit, limbs, calibration))
+        .map(|(_, (fit, limbs))| told(fit, limbs, calibration, is_alone))
         .collect::<Option<_>>()?;
     let is_straight = fits.state().bend_per_m.is_none();
     let is_free = |k: usize| !(is_straight && (BEND..BEND + 2).contains(&k));
-    let of_edges = Covariance::new(&all);
+    let of_edges = Covariance::new(all.iter().map(|told| (&told.covariance, &told.cameras[..])));
     // Edges by the rod, and the rod by the edges: least squares by the information.
     let weighted: Vec<Estimator> = all
         .iter()
@@ -163,53 +163,12 @@ fn left_over(all: &[Told], estimators: &[Estimator], of_edges: &Covariance) -> f
     mahalanobis(&residual, &spread)
 }
 
-/// The covariance of the edges of all pairs.
-struct Covariance {
-    /// Of each pair with each.
-    parts: Vec<Vec<Option<Edges>>>,
-}
-
-impl Covariance {
-    fn new(all: &[Told]) -> Self {
-        let part = |i: usize, j: usize| {
-            let (a, b) = (&all[i], &all[j]);
-            let mut part = (i == j).then_some(a.covariance);
-            for (a, b) in a.cameras.iter().zip(&b.cameras) {
-                *part.get_or_insert_with(Edges::zeros) += a * b.transpose();
-            }
-            part
-        };
-        let pairs = || 0..all.len();
-        Self {
-            parts: pairs()
-                .map(|i| pairs().map(|j| part(i, j)).collect())
-                .collect(),
-        }
-    }
-
-    /// Of what is made of edges with what is made of them in another way.
-    fn through<const N: usize>(
-        &self,
-        a: &[SMatrix<f64, N, EDGES>],
-        b: &[SMatrix<f64, N, EDGES>],
-    ) -> SMatrix<f64, N, N> {
-        let mut sum = SMatrix::zeros();
-        for (a, row) in a.iter().zip(&self.parts) {
-            for (b, part) in b.iter().zip(row) {
-                if let Some(part) = part {
-                    sum += a * part * b.transpose();
-                }
-            }
-        }
-        sum
-    }
-}
-
-/// Of one pair.
+/// Of one pair, alone or among others.
 fn told(
     fit: &Fit,
     limbs: &[[Found; 2]; 2],
     calibration: Option<&CalibrationSigma>,
+    is_alone: bool,
 ) -> Option<Told> {
     // Blurs, shadows and mean shading are eliminated from the rest.
     let nuisances: Vec<usize> = (ROD..UNKNOWNS).chain(UNKNOWNS + EDGES..ALL).collect();
@@ -239,18 +198,20 @@ fn told(
                 if is_free(j) { joint[(ROD + i, j)] } else { 0.0 }
             },
         );
+    let of_edges = |scores: &SVector<f64, ALL>| {
+        OfEdges::from_fn(|i, _| {
+            let of_nuisances = nuisances.iter().enumerate();
+            let shared: f64 = of_nuisances
+                .map(|(k, at)| gain[(k, ROD + i)] * scores[*at])
+                .sum();
+            scores[UNKNOWNS + i] - shared
+        })
+    };
     // Blocks are measurements of their own: their scores' scatter is what the noise really is.
     let mut scatter = Edges::zeros();
     let mut score = OfEdges::zeros();
     for block in &fit.sums.blocks {
-        let block = block.scores();
-        let of_edges = OfEdges::from_fn(|i, _| {
-            let of_nuisances = nuisances.iter().enumerate();
-            let shared: f64 = of_nuisances
-                .map(|(k, at)| gain[(k, ROD + i)] * block[*at])
-                .sum();
-            block[UNKNOWNS + i] - shared
-        });
+        let of_edges = of_edges(&block.scores());
         scatter += of_edges * of_edges.transpose();
         score += of_edges;
     }
@@ -261,6 +222,25 @@ fn told(
         information[(k, k)] += 1e-9 * largest;
     }
     let inverse = information.try_inverse()?;
+    let moved = inverse * score;
+    if !is_alone {
+        // Other pairs may have pulled its edges away, which all blocks feel alike: that is no noise.
+        let mut there = SVector::<f64, ALL>::zeros();
+        for (i, k) in (UNKNOWNS..UNKNOWNS + EDGES).enumerate() {
+            there[k] = moved[i];
+            for (k, at) in nuisances.iter().enumerate() {
+                there[*at] -= gain[(k, ROD + i)] * moved[i];
+            }
+        }
+        scatter.fill(0.0);
+        for block in &fit.sums.blocks {
+            let mut normal = DMatrix::zeros(ALL, ALL);
+            block.add_to(&mut normal, OF_ALL);
+            normal.fill_upper_triangle_with_lower_triangle();
+            let of_edges = of_edges(&(block.scores() - normal * there));
+            scatter += of_edges * of_edges.transpose();
+        }
+    }
     // What was fitted to them they scatter less by.
     let count = 2.0 * fit.sums.blocks.len() as f64;
     let few = count / (count - FITTED).max(0.25 * count);
@@ -284,7 +264,7 @@ fn told(
         jacobian: inverse * by_rod,
         information,
         covariance,
-        moved: inverse * score,
+        moved,
         seen,
         cameras: calibration.map_or_else(Vec::new, |sigma| calibrated(limbs, sigma)),
     };
@@ -311,50 +291,6 @@ impl Told {
             ..self
         })
     }
-}
-
-/// A covariance where it is wider than another, and that other where it is not.
-fn no_surer(covariance: &Edges, least: &Edges) -> Option<Edges> {
-    let unit = least.cholesky()?.l();
-    let inverse = unit.solve_lower_triangular(&Edges::identity())?;
-    let times = inverse * covariance * inverse.transpose();
-    let mut eigen = ((times + times.transpose()) * 0.5).symmetric_eigen();
-    eigen.eigenvalues.apply(|value| *value = value.max(1.0));
-    Some(unit * eigen.recompose() * unit.transpose())
-}
-
-/// The inverse, by way of a unit diagonal: metres and radians differ by orders of magnitude.
-fn inverted<const N: usize>(normal: &SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
-    let scale = normal
-        .diagonal()
-        .map(|v| 1.0 / v.max(f64::MIN_POSITIVE).sqrt());
-    let scales = scale * scale.transpose();
-    Some(
-        normal
-            .component_mul(&scales)
-            .try_inverse()?
-            .component_mul(&scales),
-    )
-}
-
-fn mahalanobis(residual: &DVector<f64>, spread: &DMatrix<f64>) -> f64 {
-    let scale = spread
-        .diagonal()
-        .map(|v| 1.0 / v.max(f64::MIN_POSITIVE).sqrt());
-    let scaled = spread.component_mul(&(&scale * scale.transpose()));
-    let eigen = ((&scaled + scaled.transpose()) * 0.5).symmetric_eigen();
-    let residual = residual.component_mul(&scale);
-    let largest = eigen.eigenvalues.max();
-    let parts = eigen
-        .eigenvalues
-        .iter()
-        .zip(eigen.eigenvectors.column_iter());
-    let seen = parts.filter(|(value, _)| **value > 1e-6 * largest);
-    let squares = seen.map(|(value, vector)| {
-        let part = vector.dot(&residual);
-        part * part / value
-    });
-    squares.sum()
 }
 
 /// What is not sure of the cameras moves both limbs of an eye together: each by how the image moves along its normal, and a roll

@@ -18,10 +18,12 @@
 
 mod alike;
 mod answer;
+mod astray;
 mod bands;
 mod block;
 mod climb;
 mod contrast;
+mod covariance;
 mod crossing;
 mod drift;
 mod elsewhere;
@@ -150,6 +152,9 @@ fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal>
         others.extend(worse);
     }
     let (chosen, found) = located.ok_or(Refusal::Lost)?;
+    if let Some(astray) = astray::astray(request, &shots, chosen, &found) {
+        astray.told(&mut estimate.observability.warnings)?;
+    }
     let other = candidates.iter().find(|other| !is_same(other, chosen));
     let o = &mut estimate.observability;
     o.runner_up_ratio = other.map(|other| other.score / best.score.max(f64::MIN_POSITIVE));

@@ -42,6 +42,8 @@ pub(super) struct Located {
     pub(super) limbs: Vec<[[Limb; 2]; 2]>,
     /// From how many of the limbs that are seen light rises softly.
     pub(super) faded: usize,
+    /// The pairs that show it at all.
+    pub(super) shown: Vec<usize>,
 }
 
 impl Located {
@@ -68,6 +70,15 @@ impl Located {
         let mut limbs = self.limbs.iter().flatten().flatten();
         let is_seen = limbs.all(|limb| *limb == Limb::Seen);
         self.fit.converged && is_seen && self.fit.misfit() < SURE_MISFIT
+    }
+
+    /// Whether all of it is as it should be.
+    pub(super) fn is_fine(&self) -> bool {
+        let mut limbs = self.limbs.iter().flatten().flatten();
+        let is_seen = limbs.all(|limb| *limb == Limb::Seen);
+        let is_straight = self.fit.state().bend_per_m.is_none();
+        let is_agreed = self.judgement.chi2 <= self.judgement.redundancies as f64;
+        is_seen && is_straight && is_agreed && self.fit.converged
     }
 
     /// Whether a ray meets the rod, or passes it nearly.
@@ -103,14 +114,18 @@ pub(super) fn refine(
         sigma_m: prior.sigma_m.unwrap_or(1e-6).max(1e-6),
     });
     let state = State::new(cylinder, 0.1);
-    let pixels = shots.iter().map(|shot| Pixels::of(shot, &state));
-    let pixels: Vec<Option<_>> = pixels.collect();
-    // What a pair does not show, others may; but for the first, which was asked about.
-    let is_shown: Vec<bool> = pixels.iter().map(Option::is_some).collect();
-    if !is_shown[0] {
+    let (mut shown, mut pixels, mut blocks) = (Vec::new(), Vec::new(), Vec::new());
+    for (pair, shot) in shots.iter().enumerate() {
+        if let Some((of_pair, around)) = Pixels::of(shot, &state) {
+            shown.push(pair);
+            pixels.push(of_pair);
+            blocks.push(around);
+        }
+    }
+    // What another pair does not show, the first may.
+    if shown.first() != Some(&0) {
         return None;
     }
-    let (pixels, mut blocks): (Vec<Pixels<'_>>, Vec<_>) = pixels.into_iter().flatten().unzip();
     let look = |states: &[State]| -> Option<Vec<Vec<Block>>> {
         let all = pixels.iter().zip(states);
         all.map(|(pixels, state)| pixels.blocks(state)).collect()
@@ -147,7 +162,9 @@ pub(super) fn refine(
     }
     if is_far {
         blocks = look(&states(&fit))?;
-        starts.iter_mut().for_each(|start| start.lit = None);
+        for start in &mut starts {
+            start.lit = None;
+        }
     }
     fit = climb::climb(&starts, prior, &mut blocks, climb::GAIN)?;
     if fit.state().bend_per_m.is_some() {
@@ -201,17 +218,17 @@ pub(super) fn refine(
         .flatten()
         .flatten()
         .filter(|found| found.is_faded());
-    let mut of_shown = limbs.into_iter();
-    let limbs = is_shown.into_iter().map(|is_shown| {
-        let limbs = is_shown.then(|| of_shown.next()).flatten();
-        limbs.unwrap_or([[Limb::Unseen; 2]; 2])
-    });
+    let mut of_all = vec![[[Limb::Unseen; 2]; 2]; shots.len()];
+    for (pair, limbs) in shown.iter().zip(limbs) {
+        of_all[*pair] = limbs;
+    }
     Some(Located {
         faded: faded.count(),
+        shown,
         fit,
         judgement,
         prior,
-        limbs: limbs.collect(),
+        limbs: of_all,
     })
 }
 

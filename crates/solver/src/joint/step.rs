@@ -201,3 +201,111 @@ impl Slopes {
         step.iter().all(|v| v.is_finite()).then_some(step)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rodsight_geometry::{Cylinder, Line3, Vec3};
+
+    use super::*;
+    use crate::MoveSigma;
+
+    fn state() -> State {
+        let cylinder = Cylinder {
+            axis: Line3::new(Vec3::new(1.5, 0.1, -0.2), &Vec3::new(0.3, 0.2, 1.0)),
+            radius_m: 0.05,
+        };
+        State::new(cylinder, 0.2)
+    }
+
+    fn drift() -> Drift {
+        let sigma = MoveSigma {
+            translation_m: 0.01,
+            rotation_rad: 0.005,
+        };
+        Drift::new(&sigma, Vec3::zeros())
+    }
+
+    /// A definite matrix and a score, different for each pair.
+    fn said(pair: usize) -> (Normal, Score) {
+        let wave = |i: usize, j: usize| libm::sin(1.7 * (i * UNKNOWNS + j + 31 * pair) as f64);
+        let root = Normal::from_fn(|i, j| wave(i, j) + if i == j { 4.0 } else { 0.0 });
+        (root * root.transpose(), Score::from_fn(|i, _| wave(i, 99)))
+    }
+
+    /// What all pairs gain by a step is what each gains by its own, drifts and all.
+    #[test]
+    fn gains_are_sums_of_those_of_pairs() {
+        let (state, drift) = (state(), drift());
+        let layout =
+            Layout::new([(&state, None), (&state, Some(&drift)), (&state, None)].into_iter());
+        let pairs = [said(0), said(1), said(2)];
+        let all = layout.gathered(&pairs);
+        assert_eq!(all.score.len(), ROD + 3 * OWN + DRIFT);
+        let step = DVector::from_fn(all.score.len(), |k, _| 0.01 * libm::cos(k as f64));
+        let own = pairs.iter().enumerate().map(|(pair, (normal, score))| {
+            let step = layout.of_pair(&step, pair);
+            step.dot(score) - 0.5 * step.dot(&(normal * step))
+        });
+        let own: f64 = own.sum();
+        assert!((all.gain(&step) - own).abs() < 1e-12, "{own}");
+        // The rod's step is shared, but for what drifts.
+        let rods = [0, 1, 2].map(|pair| {
+            layout
+                .of_pair(&step, pair)
+                .fixed_rows::<ROD>(0)
+                .into_owned()
+        });
+        assert_eq!(rods[0], rods[2]);
+        let drifted = drift.of_rod(&state) * layout.of_drift(&step, 1);
+        assert!((rods[1] - rods[0] - drifted).norm() < 1e-15 && drifted.norm() > 1e-4);
+    }
+
+    /// A pair that may be anywhere says nothing of where a straight rod is, and one that may not says as much as ever.
+    #[test]
+    fn drifts_take_what_is_known_of_them() {
+        let (state, drift) = (state(), drift());
+        let of_rod = |sigma: Option<f64>| {
+            let drift = sigma.map(|sigma| {
+                let mut drift = drift;
+                drift.sigmas.fill(sigma);
+                drift
+            });
+            let layout = Layout::new([(&state, None), (&state, drift.as_ref())].into_iter());
+            let mut all = layout.gathered(&[said(0), said(1)]);
+            layout.add_drifts(&mut all, [None, drift.as_ref()].into_iter());
+            let inverse = all.normal.try_inverse().expect("a definite matrix");
+            inverse.fixed_view::<4, 4>(0, 0).trace()
+        };
+        let (exact, nearly) = (of_rod(None), of_rod(Some(1e-7)));
+        assert!((nearly / exact - 1.0).abs() < 1e-6, "{nearly} {exact}");
+        let doubtful = [0.01, 0.1, 1.0, 100.0].map(|sigma| of_rod(Some(sigma)));
+        let mut before = exact;
+        for variance in doubtful {
+            assert!(variance > before, "{doubtful:?} {exact}");
+            before = variance;
+        }
+    }
+
+    /// No step leaves its bounds, and what is bound is at one of them or where slopes vanish.
+    #[test]
+    fn steps_stay_within_bounds() {
+        let state = state();
+        let layout = Layout::new([(&state, None), (&state, None)].into_iter());
+        let all = layout.gathered(&[said(0), said(1)]);
+        let free = all.best().expect("a step");
+        let most = 0.5 * free.amax();
+        let ends = [-most, most].map(|end| DVector::repeat(free.len(), end));
+        let step = all.bounded(&ends).expect("a step");
+        let slopes = &all.score - &all.normal * &step;
+        let mut held = 0;
+        for (by, slope) in step.iter().zip(&slopes) {
+            assert!(by.abs() <= most * (1.0 + 1e-12));
+            if by.abs() > most * (1.0 - 1e-9) {
+                held += 1;
+            } else {
+                assert!(slope.abs() < 1e-9, "{slope}");
+            }
+        }
+        assert!(held > 0 && free.amax() > most);
+    }
+}
