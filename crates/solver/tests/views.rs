@@ -41,25 +41,9 @@ fn lit(truth: Cylinder, noise_sigma: f64) -> Scene {
 
 /// What a vehicle sees that went there.
 fn seen(scene: &Scene, rig_from_moved: &Move, seed: u64) -> StereoPair {
-    let moved_from_rig = rig_from_moved.inverse();
-    let rods = scene.rods.iter().map(|rod| from(rod, &moved_from_rig));
-    let scene = Scene {
-        rods: rods.collect(),
-        curvature_per_m: moved_from_rig.direction(&scene.curvature_per_m),
-        seed,
-        ..scene.clone()
-    };
+    let mut scene = scene.moved(rig_from_moved);
+    scene.seed = seed;
     scene.pair()
-}
-
-fn from(rod: &Cylinder, pose: &Move) -> Cylinder {
-    Cylinder {
-        axis: Line3 {
-            point_m: pose.point(&rod.axis.point_m),
-            direction: pose.direction(&rod.axis.direction),
-        },
-        ..*rod
-    }
 }
 
 fn still() -> Move {

@@ -2,7 +2,9 @@
 
 use rodsight_bench::{Errors, Nees, located, measure_cylinder, statistics::is_wrong};
 use rodsight_geometry::{StereoPair, degrees};
-use rodsight_solver::{Estimate, Method, PaperParams, SolveError, Status, solve};
+use rodsight_solver::{
+    Estimate, Method, MovedPair, PaperParams, Request, SolveError, Status, solve,
+};
 
 use super::draft::Trial;
 
@@ -24,7 +26,22 @@ impl Answer {
         pair: &StereoPair,
         method: Method,
     ) -> Result<Self, SolveError> {
-        let estimate = solve(&trial.request.of(pair), method, &PaperParams::default())?;
+        Self::of_all(seed, trial, pair, &[], method)
+    }
+
+    /// Solves a trial of more pairs.
+    pub(crate) fn of_all(
+        seed: u64,
+        trial: &Trial,
+        pair: &StereoPair,
+        more: &[MovedPair<'_>],
+        method: Method,
+    ) -> Result<Self, SolveError> {
+        let request = Request {
+            more,
+            ..trial.request.of(pair)
+        };
+        let estimate = solve(&request, method, &PaperParams::default())?;
         let errors = trial
             .target
             .and_then(|target| measure_cylinder(&target, &estimate));

@@ -1,6 +1,6 @@
 //! A scene and a request that can still be changed.
 
-use rodsight_geometry::{Cylinder, Eye, Pixel, Rig, StereoPair, Vec3, radians};
+use rodsight_geometry::{Cylinder, Eye, Pixel, Pose, Rig, RigFrame, StereoPair, Vec3, radians};
 use rodsight_solver::{CalibrationSigma, Pick, RadiusPrior, Request, Roi};
 
 use super::painter::{Random, Scene};
@@ -46,6 +46,52 @@ impl Trial {
             rig: self.believed,
             ..self.scene.pair()
         }
+    }
+
+    /// The images from where the rig went, with other noise, and regions as large around the rod; `None` where it is not in both.
+    pub(crate) fn moved(&self, rig_from_moved: &Pose<RigFrame, RigFrame>) -> Option<Self> {
+        let mut scene = self.scene.moved(rig_from_moved);
+        scene.seed ^= 0x5DEE_CE66;
+        let mut regions = self.request.regions;
+        let target = self.target.map(|target| target.axis.point_m);
+        for (eye, point_m) in Eye::BOTH.into_iter().zip([target; 2]) {
+            // Where there is no rod, regions stay.
+            let Some(point_m) = point_m else {
+                continue;
+            };
+            let point_m = rig_from_moved.inverse().point(&point_m);
+            let mounted = scene.rig.eye(eye);
+            let at = mounted.project(&point_m)?;
+            if !mounted.camera.contains(&at) {
+                return None;
+            }
+            let region = &mut regions[eye as usize];
+            *region = region.map(|roi| around(&scene.rig, eye, at, [roi.width_px, roi.height_px]));
+        }
+        scene.only = regions;
+        Some(Self {
+            request: Asked {
+                regions,
+                pick: None,
+                ..self.request
+            },
+            scene,
+            ..*self
+        })
+    }
+}
+
+/// The region of a size around a place, as far as the image has it.
+fn around(rig: &Rig, eye: Eye, at: Pixel, [width_px, height_px]: [u32; 2]) -> Roi {
+    let i = *rig.eye(eye).camera.intrinsics();
+    let first = |at: f64, length: u32, all: u32| {
+        (at - 0.5 * f64::from(length)).clamp(0.0, f64::from(all - length)) as u32
+    };
+    Roi {
+        x_px: first(at.x, width_px, i.width_px),
+        y_px: first(at.y, height_px, i.height_px),
+        width_px,
+        height_px,
     }
 }
 
@@ -102,21 +148,13 @@ impl Draft {
             self.scene.rods.clear();
         }
         let mut regions = [None; 2];
-        if let Some([width_px, height_px]) = self.region_px {
+        if let Some(size_px) = self.region_px {
             for eye in Eye::BOTH {
                 let drawn =
                     Pixel::new(self.dice.within(-60.0, 60.0), self.dice.within(-60.0, 60.0));
                 let at = seen[eye as usize] + self.region_off_px[eye as usize].unwrap_or(drawn);
-                let i = *self.scene.rig.eye(eye).camera.intrinsics();
-                let first = |at: f64, length: u32, all: u32| {
-                    (at - 0.5 * f64::from(length)).clamp(0.0, f64::from(all - length)) as u32
-                };
-                regions[eye as usize] = Some(Roi {
-                    x_px: first(at.x, width_px, i.width_px),
-                    y_px: first(at.y, height_px, i.height_px),
-                    width_px,
-                    height_px,
-                });
+                let region = around(&self.scene.rig, eye, at, size_px);
+                regions[eye as usize] = Some(region);
             }
         }
         self.scene.only = regions;

@@ -132,7 +132,8 @@ pub(super) fn give(
     }
     check(&mut o.warnings, fit, judgement)?;
     check_limbs(&mut o.warnings, limbs, prior.is_some())?;
-    if *faded >= MOST_FADED * limbs.len() {
+    if faded.iter().any(|faded| *faded >= MOST_FADED) {
+        let faded: usize = faded.iter().sum();
         o.warnings.push(format!(
             "light rises softly from {faded} of the {} limbs, as one lamp near the cameras makes it: they may lie farther out",
             number(limbs)

@@ -7,13 +7,13 @@ use super::pair::Candidate;
 use super::refine::{Located, refine};
 use super::refusal::Refusal;
 use super::shot::Shot;
-use super::state::{BEND, RADIUS, State};
+use super::state::{RADIUS, State};
 use crate::Request;
 
-/// What places a straight rod: shifts, turns and the radius.
-const PLACES: usize = BEND;
+/// What places an axis: shifts and turns.
+const PLACES: usize = RADIUS;
 /// χ² of them that one pair in a thousand has by chance is a warning, so many times that a refusal.
-const WARN: f64 = 20.5;
+const WARN: f64 = 18.5;
 const REFUSE_TIMES: f64 = 4.0;
 
 /// A pair by itself against all.
@@ -83,7 +83,6 @@ fn chi2(located: &Located, rod: &State) -> Option<f64> {
         off[k] = (there_m - axis.point_m).dot(across);
         off[2 + k] = (direction - axis.direction).dot(across);
     }
-    off[RADIUS] = other.radius_m - cylinder.radius_m;
     let covariance = located.judgement.covariance;
     let covariance = covariance.fixed_view::<PLACES, PLACES>(0, 0);
     let chi2 = off.dot(&(inverted(&covariance.into_owned())? * off));

@@ -99,7 +99,8 @@ pub(crate) fn judge(
     let seen_radius = inverted(&normal).and_then(|free| {
         let estimators = estimators(&free);
         let variance = of_edges.through(&estimators, &estimators)[(RADIUS, RADIUS)];
-        let sigma_m = variance.max(0.0).sqrt();
+        // Where light is not as its model has it rods look thicker or thinner, in all pairs alike.
+        let sigma_m = (variance * all.len() as f64).max(0.0).sqrt();
         let moves = estimators.iter().zip(&all);
         let moved_m: f64 = moves.map(|(by, told)| (by * told.moved)[RADIUS]).sum();
         let radius_m = fits.state().cylinder.radius_m + moved_m;

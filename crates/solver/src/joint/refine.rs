@@ -40,8 +40,8 @@ pub(super) struct Located {
     pub(super) prior: Option<Prior>,
     /// Of each pair of each eye plus and minus.
     pub(super) limbs: Vec<[[Limb; 2]; 2]>,
-    /// From how many of the limbs that are seen light rises softly.
-    pub(super) faded: usize,
+    /// From how many of the limbs of each pair that are seen light rises softly.
+    pub(super) faded: Vec<usize>,
     /// The pairs that show it at all.
     pub(super) shown: Vec<usize>,
 }
@@ -76,6 +76,7 @@ impl Located {
     pub(super) fn is_fine(&self) -> bool {
         let mut limbs = self.limbs.iter().flatten().flatten();
         let is_seen = limbs.all(|limb| *limb == Limb::Seen);
+        // What contradicts itself bends.
         let is_straight = self.fit.state().bend_per_m.is_none();
         let is_agreed = self.judgement.chi2 <= self.judgement.redundancies as f64;
         is_seen && is_straight && is_agreed && self.fit.converged
@@ -213,17 +214,16 @@ pub(super) fn refine(
     }
     let mut judgement = judge::judge(&fit, &found, prior, request.calibration.as_ref())?;
     judgement.seen_radius = seen_radius.or(judgement.seen_radius);
-    let faded = found
-        .iter()
-        .flatten()
-        .flatten()
-        .filter(|found| found.is_faded());
+    let faded = |eyes: &[[Found; 2]; 2]| {
+        let limbs = eyes.iter().flatten();
+        limbs.filter(|found| found.is_faded()).count()
+    };
     let mut of_all = vec![[[Limb::Unseen; 2]; 2]; shots.len()];
     for (pair, limbs) in shown.iter().zip(limbs) {
         of_all[*pair] = limbs;
     }
     Some(Located {
-        faded: faded.count(),
+        faded: found.iter().map(faded).collect(),
         shown,
         fit,
         judgement,
@@ -292,11 +292,17 @@ impl<'a> Pixels<'a> {
     }
 }
 
-/// Whether limbs place a rod: three of them, or two and its radius, of two eyes at least.
+/// Whether limbs place a rod: three of a pair, or one in each of its eyes and the radius. The first pair is to see it with both eyes:
+/// what others see might be another one.
 pub(super) fn is_enough(limbs: &[[[Limb; 2]; 2]], is_radius_known: bool) -> bool {
-    let eyes = limbs.iter().flatten();
-    let seen = eyes.map(|eye| eye.iter().filter(|limb| **limb == Limb::Seen).count());
-    let seen: Vec<usize> = seen.filter(|seen| *seen > 0).collect();
     let least = if is_radius_known { 2 } else { 3 };
-    seen.len() >= 2 && seen.iter().sum::<usize>() >= least
+    let seen = |eyes: &[[Limb; 2]; 2]| {
+        eyes.map(|eye| eye.iter().filter(|limb| **limb == Limb::Seen).count())
+    };
+    let are_of_both = |eyes: &[[Limb; 2]; 2], least: usize| {
+        let seen = seen(eyes);
+        seen[0] > 0 && seen[1] > 0 && seen[0] + seen[1] >= least
+    };
+    let is_first = limbs.first().is_some_and(|eyes| are_of_both(eyes, 2));
+    is_first && limbs.iter().any(|eyes| are_of_both(eyes, least))
 }

@@ -46,7 +46,7 @@ pub(crate) enum Refusal {
         sigma_mm: f64,
     },
     #[error(
-        "the pairs contradict each other: what pair {number} shows by itself is not where all together put the rod (χ² = {chi2:.0} of 5): a wrong move, or another rod"
+        "the pairs contradict each other: what pair {number} shows by itself is not where all together put the rod (χ² = {chi2:.0} of 4): a wrong move, or another rod"
     )]
     Astray { number: usize, chi2: f64 },
     #[error("the depth is uncertain by {relative_percent:.0} %: too short, too faint or too far")]

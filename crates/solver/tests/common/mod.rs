@@ -169,6 +169,28 @@ impl Scene {
             .expect("images of the rig's size")
     }
 
+    /// The same as the rig sees it that went there; lamps go with it.
+    pub fn moved(&self, rig_from_moved: &Pose<RigFrame, RigFrame>) -> Self {
+        let moved_from_rig = rig_from_moved.inverse();
+        let rod = |rod: &Cylinder| Cylinder {
+            axis: Line3 {
+                point_m: moved_from_rig.point(&rod.axis.point_m),
+                direction: moved_from_rig.direction(&rod.axis.direction),
+            },
+            ..*rod
+        };
+        let ball = |ball: &Ball| Ball {
+            centre_m: moved_from_rig.point(&ball.centre_m),
+            ..*ball
+        };
+        Self {
+            rods: self.rods.iter().map(rod).collect(),
+            balls: self.balls.iter().map(ball).collect(),
+            curvature_per_m: moved_from_rig.direction(&self.curvature_per_m),
+            ..self.clone()
+        }
+    }
+
     /// What a ray of an eye meets first; `None` where it meets no rod within its length.
     fn hit(&self, eye: Eye, u: f64, v: f64) -> Option<Hit> {
         let mounted = self.rig.eye(eye);
