@@ -1,12 +1,13 @@
 //! The best we can do: limbs found without a threshold in all colours, then one fit of the rod to the pixels of both images.
 //!
 //! From coarse to fine: `light` bins, `radon` and `sums` find edges in all colours at once, `strip` pairs them (`shot` holds what a pair
-//! of images shows), `pair` matches strips of both eyes, `elsewhere` those of several pairs; `refine` takes one match to the likeliest rod there. In it `trace` and `contrast` look closer. Then the likelihood: `bands`
-//! are the pixels around the limbs, `noise` what they weigh, and `pool` what neighbouring rows say together; `state` is what is unknown,
-//! `moments`, `spread` and `shade` the light of a pixel, `crossing` where it is, `block` and `fit` the sums over all, `climb` their maximum by
-//! `step`s; `drift` is what is not known of a move; `alike` learns how
-//! shading changes along the limbs; `shadow` and `limbs` look at what the light inside a limb says of lamps, and whether it is a limb at
-//! all. Last `judge`, the covariance and the redundancies, and `answer`.
+//! of images shows), `pair` matches strips of both eyes, `elsewhere` those of several pairs; `refine` takes one match to the likeliest rod
+//! there. In it `trace` and `contrast` look closer. Then the likelihood: `bands` are the pixels around the limbs, `noise` what they weigh,
+//! and `pool` what neighbouring rows say together; `state` is what is unknown, `moments`, `spread` and `shade` the light of a pixel,
+//! `crossing` where it is, `block` and `fit` the sums over all, `climb` their maximum by `step`s of all pairs, `drift` what is not known of a
+//! move; `alike` learns how shading changes along the limbs; `shadow` and `limbs` look at what the light inside a limb says of lamps, and
+//! whether it is a limb at all. Last `judge` with `covariance`: how sure it is and the redundancies, `astray`: whether pairs contradict
+//! each other, and `answer`.
 //!
 //! Each limb has its own axis of colours and its own light inside, block by block: lamps beside the cameras end in shadows that no one
 //! profile across the rod holds.
