@@ -96,6 +96,14 @@ Examples:
   rodsight solve --left l.png --right r.png --rig camchain.yaml --roi-left 700,0,640,1080 --roi-right 80,0,640,1080 \\
       --pick 1029,637,left --radius-m 0.05,0.001 --calibration-sigma 0.05,0.02 --json
   rodsight solve --left l.png --right r.png --rig camchain.yaml --method paper --trace steps
+  rodsight solve --left pair/left.png --right pair/right.png --rig pair/rig.toml --also heaved.toml
+
+heaved.toml is a second pair of the same rod, taken 0.3 m higher (`rodsight schema also` has all keys):
+  schema = 1
+  left = \"heaved/left.png\"
+  right = \"heaved/right.png\"
+  rig_from_moved = { rpy_deg = [0, 0, 0], translation_m = [0, 0, -0.3] }
+  sigma = { translation_m = 0.002, rotation_deg = 0.05 }
 
 Everything in the answer is in the rig frame: x forward, y starboard, z down. Regions and picks are image pixels from the
 top-left corner, whatever origin the rig file declares. A refusal prints its reason (and its JSON) and exits with 3.")]
@@ -109,6 +117,10 @@ pub(crate) struct SolveArgs {
     /// Rig: a rodsight TOML, an OpenCV stereo YAML or a Kalibr camchain YAML
     #[arg(long)]
     pub(crate) rig: PathBuf,
+    /// A further pair of the same rod, from where the rig went: images, move and how well that is known (TOML); joint fits one rod to
+    /// all pairs, which places also what is parallel to the baseline
+    #[arg(long, value_name = "PAIR.toml")]
+    pub(crate) also: Vec<PathBuf>,
     /// Region of the left image, pixels
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_roi, allow_hyphen_values = true)]
     pub(crate) roi_left: Option<Roi>,
@@ -174,6 +186,8 @@ pub(crate) enum Format {
     Truth,
     /// Parameters of the paper's methods
     Params,
+    /// Further pairs for `rodsight solve --also`
+    Also,
 }
 
 #[derive(Debug, clap::Args)]

@@ -1,5 +1,6 @@
 //! The `rodsight` command: arguments in, files and numbers out; the crates below do the work.
 
+mod also;
 mod args;
 mod backend;
 mod commands;

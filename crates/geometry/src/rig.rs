@@ -73,6 +73,19 @@ impl Rig {
         self.right.rig_from_camera.origin_m() - self.left.rig_from_camera.origin_m()
     }
 
+    /// The same cameras after the rig has moved, in the frame where it was: `rig_from_moved` is where it went.
+    #[must_use]
+    pub fn moved(&self, rig_from_moved: &Pose<RigFrame, RigFrame>) -> Self {
+        let moved = |mounted: &MountedCamera| MountedCamera {
+            rig_from_camera: *rig_from_moved * mounted.rig_from_camera,
+            ..*mounted
+        };
+        Self {
+            left: moved(&self.left),
+            right: moved(&self.right),
+        }
+    }
+
     /// Reads a calibration: a rig file (`.toml`), or an `OpenCV` stereo calibration or a Kalibr camchain (`.yaml`, `.yml`).
     ///
     /// The last two say nothing of the vehicle: the rig frame is then at the left camera's centre, with the vehicle's axes

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use rodsight_geometry::{Pixel, Rig, RigFile, Vec3};
+use rodsight_geometry::{Eye, Pixel, Pose, Rig, RigFile, Vec3, rotation_from_rpy};
 
 const RIG: &str = r#"schema = 1
 [left]
@@ -281,4 +281,24 @@ fn rig_file_eyes_that_cannot_be_a_pair_are_refused() {
             "180.0°",
         ],
     );
+}
+
+/// What a rig sees after a move is what it saw of the same things moved the other way.
+#[test]
+fn moved_rigs_see_from_where_they_went() {
+    let rig = rig(RIG);
+    let rig_from_moved = Pose::new(
+        rotation_from_rpy(0.1, -0.2, 0.15),
+        Vec3::new(0.3, -0.1, -0.4),
+    );
+    let moved = rig.moved(&rig_from_moved);
+    let point_m = Vec3::new(2.5, 0.2, -0.7);
+    let from_moved_m = rig_from_moved.inverse().point(&point_m);
+    for eye in Eye::BOTH {
+        let (there, here) = (moved.eye(eye), rig.eye(eye));
+        let pixel = there.project(&point_m).unwrap();
+        assert!((pixel - here.project(&from_moved_m).unwrap()).norm() < 1e-9);
+        assert!((pixel - here.project(&point_m).unwrap()).norm() > 50.0);
+    }
+    assert!((moved.baseline().norm() - rig.baseline().norm()).abs() < 1e-15);
 }

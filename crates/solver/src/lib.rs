@@ -30,6 +30,7 @@
 
 mod estimate;
 mod joint;
+mod moved;
 pub mod paper;
 mod request;
 mod solve;
@@ -37,6 +38,7 @@ mod solve;
 pub use estimate::{
     AxisEstimate, Centerlines, Estimate, EyeReport, GraspEstimate, Observability, Status, TimingMs,
 };
+pub use moved::{MoveSigma, MovedPair};
 pub use paper::{
     EdgePoint, EyeTrace, HueWindow, PaperParams, Polarity, RefinedLine, SegmentationMode, Trace,
     VoteThreshold, VotedLine, Votes,

@@ -7,6 +7,8 @@ use rodsight_geometry::{Eye, Image, Pixel, StereoPair};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::MovedPair;
+
 /// A region of an image: the pixels `x_px..x_px + width_px`, `y_px..y_px + height_px`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -89,7 +91,7 @@ pub struct CalibrationSigma {
     pub roll_rad: f64,
 }
 
-/// One pair to solve.
+/// One pair to solve, or several of one rod.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
     /// Images and rig.
@@ -104,6 +106,9 @@ pub struct Request<'a> {
     pub radius: Option<RadiusPrior>,
     /// Absent: the rig is exact.
     pub calibration: Option<CalibrationSigma>,
+    /// More pairs of the same rod, of which only `joint` knows what to make. The answer stays in the frame of `pair`'s rig, and the
+    /// pick in one of its images.
+    pub more: &'a [MovedPair<'a>],
 }
 
 impl<'a> Request<'a> {
@@ -116,6 +121,7 @@ impl<'a> Request<'a> {
             pick: None,
             radius: None,
             calibration: None,
+            more: &[],
         }
     }
 
@@ -139,7 +145,7 @@ impl<'a> Request<'a> {
     /// Checks the request against its own images.
     ///
     /// # Errors
-    /// A region or a pick outside its image, or a radius that is no length.
+    /// A region or a pick outside its image, a radius that is no length, or a move that is none.
     pub fn validate(&self) -> Result<(), SolveError> {
         for eye in Eye::BOTH {
             let (image, roi) = (self.image(eye), self.roi(eye));
@@ -177,6 +183,12 @@ impl<'a> Request<'a> {
                 }
             }
         }
+        for (index, moved) in self.more.iter().enumerate() {
+            moved.validate().map_err(|fault| SolveError::InPair {
+                number: index + 2,
+                fault: Box::new(fault),
+            })?;
+        }
         let Some(prior) = &self.radius else {
             return Ok(());
         };
@@ -204,6 +216,17 @@ impl Request<'_> {
         match Eye::BOTH.into_iter().find(behind) {
             Some(eye) => Err(SolveError::Port { eye: eye.name() }),
             None => Ok(()),
+        }
+    }
+
+    /// Checks that there is one pair.
+    ///
+    /// # Errors
+    /// More pairs.
+    pub(crate) fn refuse_more(&self) -> Result<(), SolveError> {
+        match self.more.len() {
+            0 => Ok(()),
+            more => Err(SolveError::More { more }),
         }
     }
 }
@@ -237,6 +260,15 @@ pub enum SolveError {
         "rig: expected cameras with one centre of projection, found {eye}.port: behind glass straight rods are seen bent; leave the port out and calibrate focal length and distortion in water (exact at one distance only)"
     )]
     Port { eye: &'static str },
+    #[error(
+        "more pairs: expected none, found {more}: only joint fits one rod to several pairs of images"
+    )]
+    More { more: usize },
+    /// Pairs count from 1, the first.
+    #[error("pair {number}: {fault}")]
+    InPair { number: usize, fault: Box<Self> },
+    #[error("move: expected {expected}, found {found}")]
+    Move { expected: &'static str, found: f64 },
     #[error("{name}: expected a positive number of metres, found {found}")]
     Radius { name: &'static str, found: f64 },
     #[error("calibration {name}: expected a standard deviation, 0 or more, found {found}")]

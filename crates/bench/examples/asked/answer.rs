@@ -2,7 +2,9 @@
 
 use rodsight_bench::{Errors, Nees, located, measure_cylinder, statistics::is_wrong};
 use rodsight_geometry::{Cylinder, StereoPair, degrees};
-use rodsight_solver::{Estimate, Method, PaperParams, SolveError, Status, solve};
+use rodsight_solver::{
+    Estimate, Method, MovedPair, PaperParams, Request, SolveError, Status, solve,
+};
 
 use super::Asked;
 
@@ -25,7 +27,22 @@ impl Answer {
         pair: &StereoPair,
         method: Method,
     ) -> Result<Self, SolveError> {
-        let estimate = solve(&asked.of(pair), method, &PaperParams::default())?;
+        Self::of_all(seed, asked, target, (pair, &[]), method)
+    }
+
+    /// Solves more pairs.
+    pub(crate) fn of_all(
+        seed: u64,
+        asked: &Asked,
+        target: Option<&Cylinder>,
+        (pair, more): (&StereoPair, &[MovedPair<'_>]),
+        method: Method,
+    ) -> Result<Self, SolveError> {
+        let request = Request {
+            more,
+            ..asked.of(pair)
+        };
+        let estimate = solve(&request, method, &PaperParams::default())?;
         let errors = target.and_then(|target| measure_cylinder(target, &estimate));
         let claimed_offset_m =
             target.and_then(|target| located(&estimate)?.claimed_offset_m(&target.axis.point_m));

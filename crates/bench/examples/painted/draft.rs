@@ -1,7 +1,7 @@
 //! A scene and a request that can still be changed.
 
-use rodsight_geometry::{Cylinder, Eye, Pixel, Rig, StereoPair};
-use rodsight_solver::{CalibrationSigma, Method, Pick, RadiusPrior, SolveError};
+use rodsight_geometry::{Cylinder, Eye, Pixel, Pose, Rig, RigFrame, StereoPair};
+use rodsight_solver::{CalibrationSigma, Method, MovedPair, Pick, RadiusPrior, SolveError};
 
 use super::painter::Scene;
 use crate::asked::answer::Answer;
@@ -25,7 +25,18 @@ impl Trial {
         pair: &StereoPair,
         method: Method,
     ) -> Result<Answer, SolveError> {
-        Answer::of(seed, &self.request, self.target.as_ref(), pair, method)
+        self.answer_all(seed, pair, &[], method)
+    }
+
+    pub(crate) fn answer_all(
+        &self,
+        seed: u64,
+        pair: &StereoPair,
+        more: &[MovedPair<'_>],
+        method: Method,
+    ) -> Result<Answer, SolveError> {
+        let target = self.target.as_ref();
+        Answer::of_all(seed, &self.request, target, (pair, more), method)
     }
 
     /// The images, with the rig as the solver is told.
@@ -34,6 +45,39 @@ impl Trial {
             rig: self.believed,
             ..self.scene.pair()
         }
+    }
+
+    /// The images from where the rig went, with other noise, and regions as large around the rod; `None` where it is not in both.
+    pub(crate) fn moved(&self, rig_from_moved: &Pose<RigFrame, RigFrame>) -> Option<Self> {
+        let mut scene = self.scene.moved(rig_from_moved);
+        scene.seed ^= 0x5DEE_CE66;
+        let mut regions = self.request.regions;
+        let target = self.target.map(|target| target.axis.point_m);
+        for (eye, point_m) in Eye::BOTH.into_iter().zip([target; 2]) {
+            // Where there is no rod, regions stay.
+            let Some(point_m) = point_m else {
+                continue;
+            };
+            let point_m = rig_from_moved.inverse().point(&point_m);
+            let mounted = scene.rig.eye(eye);
+            let at = mounted.project(&point_m)?;
+            if !mounted.camera.contains(&at) {
+                return None;
+            }
+            let region = &mut regions[eye as usize];
+            let camera = &mounted.camera;
+            *region = region.map(|roi| self::region(camera, &at, [roi.width_px, roi.height_px]));
+        }
+        scene.only = regions;
+        Some(Self {
+            request: Asked {
+                regions,
+                pick: None,
+                ..self.request
+            },
+            scene,
+            ..*self
+        })
     }
 }
 

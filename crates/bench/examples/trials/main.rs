@@ -1,6 +1,8 @@
 //! The joint method on thousands of painted pairs drawn by seed, kind by kind: errors, honesty, refusals, time.
 //!
-//! `cargo run --release -p rodsight-bench --example trials -- [-n COUNT] [--show] [-o DIR] [KIND…]`
+//! `cargo run --release -p rodsight-bench --example trials -- [-n COUNT] [--show] [-o DIR] [--heave METRES] [KIND…]`
+//!
+//! With `--heave` there is a second pair of each rod, from so much higher.
 //!
 //! With `-o`, every outcome goes to `outcomes.csv`, how often each reason was given to `reasons.csv`, and risk against coverage and the
 //! coverage of the claimed ellipsoids are drawn (`risk_coverage.svg`, `coverage.svg`).
@@ -23,19 +25,24 @@ use asked::answer::Answer;
 use painted::kinds::{KINDS, draw};
 use rayon::prelude::*;
 use rodsight_bench::statistics::{anees, quantile, share_interval};
-use rodsight_solver::{Method, SolveError, Status};
+use rodsight_geometry::{Mat3, Pose, Vec3};
+use rodsight_solver::{Method, MovedPair, SolveError, Status};
 
 /// The median of χ² with four degrees of freedom.
 const MEDIAN_NEES: f64 = 3.357;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (mut count, mut shows, mut kinds, mut out) = (40, false, Vec::new(), None);
+    let mut heave_m: Option<f64> = None;
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
             "-n" => count = words.next().ok_or("-n asks for a number")?.parse()?,
             "-o" => out = Some(PathBuf::from(words.next().ok_or("-o asks for a folder")?)),
             "--show" => shows = true,
+            "--heave" => {
+                heave_m = Some(words.next().ok_or("--heave asks for metres")?.parse()?);
+            }
             _ if KINDS.contains(&word.as_str()) => kinds.push(word),
             _ => return Err(format!("expected one of {KINDS:?}, found `{word}`").into()),
         }
@@ -67,7 +74,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let answers: Vec<Answer> = (0..count)
             .into_par_iter()
-            .filter_map(|seed| answer(kind, seed).transpose())
+            .filter_map(|seed| answer(kind, seed, heave_m).transpose())
             .collect::<Result<_, _>>()?;
         summarise(kind, &answers);
         if shows {
@@ -83,12 +90,29 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// `None` where the rod is not in both images.
-fn answer(kind: &str, seed: u64) -> Result<Option<Answer>, SolveError> {
+/// `None` where the rod is not in all images.
+fn answer(kind: &str, seed: u64, heave_m: Option<f64>) -> Result<Option<Answer>, SolveError> {
     let Some(trial) = draw(kind, seed) else {
         return Ok(None);
     };
-    trial.answer(seed, &trial.pair(), Method::Joint).map(Some)
+    let pair = trial.pair();
+    let Some(up_m) = heave_m else {
+        return trial.answer(seed, &pair, Method::Joint).map(Some);
+    };
+    let rig_from_moved = Pose::new(Mat3::identity(), Vec3::new(0.0, 0.0, -up_m));
+    let Some(higher) = trial.moved(&rig_from_moved) else {
+        return Ok(None);
+    };
+    let second = higher.pair();
+    let [roi_left, roi_right] = higher.request.regions;
+    let more = [MovedPair {
+        roi_left,
+        roi_right,
+        ..MovedPair::new(&second, rig_from_moved)
+    }];
+    trial
+        .answer_all(seed, &pair, &more, Method::Joint)
+        .map(Some)
 }
 
 fn with(answers: &[Answer], status: Status) -> impl Iterator<Item = &Answer> {

@@ -97,6 +97,7 @@ fn solve_all(scene: &Scene, rendered: &Rendered) -> Result<Vec<Solved>, Failure>
         }),
         radius: None,
         calibration: None,
+        more: &[],
     };
     Method::ALL
         .iter()

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use anyhow::Context as _;
-use rodsight_geometry::{ImageError, Rig, StereoPair, config, degrees};
-use rodsight_render::read_image;
-use rodsight_solver::{Estimate, Method, PaperParams, Request, Status, solve_traced};
+use rodsight_geometry::{Rig, config, degrees};
+use rodsight_solver::{Estimate, Method, MovedPair, PaperParams, Request, Status, solve_traced};
 
+use crate::also::{Also, stereo_pair};
 use crate::args::SolveArgs;
 use crate::commands::{print_json, print_text};
 use crate::failure::{Failure, claim_output};
@@ -26,22 +26,22 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
                 )));
             }
         }
+    } else if let Some(file) = args.also.first() {
+        return Err(Failure::Input(anyhow::anyhow!(
+            "--also {}: {} knows one pair only; expected --method joint",
+            file.display(),
+            args.method
+        )));
     }
     let rig = Rig::load(&args.rig).map_err(Failure::input)?;
-    let pair = StereoPair::new(rig, read_image(&args.left)?, read_image(&args.right)?).map_err(
-        |error| {
-            let file = if matches!(error, ImageError::Size { eye: "right", .. }) {
-                &args.right
-            } else {
-                &args.left
-            };
-            Failure::Input(anyhow::anyhow!(
-                "{}: {error} ({})",
-                file.display(),
-                args.rig.display()
-            ))
-        },
-    )?;
+    let rig = (&rig, args.rig.as_path());
+    let pair = stereo_pair(rig, &args.left, &args.right)?;
+    let also: Vec<Also> = args
+        .also
+        .iter()
+        .map(|file| Also::load(file, rig))
+        .collect::<Result<_, _>>()?;
+    let more: Vec<MovedPair<'_>> = also.iter().map(Also::moved).collect();
     let params = match &args.params {
         Some(path) => load_params(path)?,
         None => PaperParams::default(),
@@ -56,6 +56,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         pick: args.pick,
         radius: args.radius_m,
         calibration: args.calibration_sigma,
+        more: &more,
     };
     let progress = Progress::busy("locating");
     let (estimate, trace) = solve_traced(&request, args.method, &params).map_err(Failure::input)?;

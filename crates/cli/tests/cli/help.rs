@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
+use crate::also::heaved;
 use crate::harness::{SMALL, folder, pair, rodsight, rodsight_in, true_pick};
 
 const COMMANDS: [&str; 6] = [
@@ -33,6 +34,19 @@ fn stage(folder: &Path) {
     for file in ["left.png", "right.png", "rig.toml"] {
         std::fs::copy(pair().join(file), folder.join("pair").join(file)).unwrap();
     }
+    std::fs::create_dir_all(folder.join("heaved")).unwrap();
+    for file in ["left.png", "right.png"] {
+        std::fs::copy(heaved().join(file), folder.join("heaved").join(file)).unwrap();
+    }
+    // As the help has it.
+    let help = rodsight(&["solve", "--help"]);
+    let lines = help
+        .done()
+        .lines()
+        .skip_while(|line| *line != "  schema = 1");
+    let lines: Vec<&str> = lines.take_while(|line| !line.is_empty()).collect();
+    assert!(lines.len() > 3, "{lines:?}");
+    std::fs::write(folder.join("heaved.toml"), lines.join("\n")).unwrap();
     std::fs::copy(pair().join("left.png"), folder.join("l.png")).unwrap();
     std::fs::copy(pair().join("right.png"), folder.join("r.png")).unwrap();
     let camera = "  camera_model: pinhole\n  distortion_model: none\n  intrinsics: [391.644404911, 391.644404911, 239.5, 134.5]\n  \

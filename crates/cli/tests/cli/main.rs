@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+mod also;
 mod bad_files;
 mod bad_requests;
 mod bad_scenes;

@@ -81,7 +81,7 @@ fn schema(format: &str) -> Value {
 
 #[test]
 fn schema_of_every_format_is_a_described_object() {
-    for format in ["scene", "rig", "result", "truth", "params"] {
+    for format in ["scene", "rig", "result", "truth", "params", "also"] {
         let schema = schema(format);
         assert!(
             schema["$schema"]

@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 use rodsight_geometry::{Eye, PaperGrasp, Vec3, angle_between, surface_foot};
 
-use super::climb::Fit;
+use super::climb::Fits;
 use super::judge::Judgement;
 use super::limbs::Limb;
 use super::refine::{Located, MOST_MISS_RADII, is_enough};
@@ -18,7 +18,7 @@ const NEAR_BASELINE_RAD: f64 = 0.1;
 /// Shares of the rows that do not look as a rod's: a warning, and a refusal.
 const WARN_HIDDEN: f64 = 0.25;
 const MOST_HIDDEN: f64 = 0.6;
-/// So many limbs from which light rises softly are a warning.
+/// So many limbs of a pair from which light rises softly are a warning.
 const MOST_FADED: usize = 2;
 /// Redundancies that disagree by more than one rod in a thousand by chance are a warning, by so many times that a refusal.
 const WARN_NORMAL: f64 = 3.09;
@@ -36,13 +36,14 @@ pub(super) fn give(
         prior,
         limbs,
         faded,
+        ..
     }: &Located,
 ) -> Result<(), Refusal> {
     let rig = &request.pair.rig;
     let ray = request
         .pick
         .and_then(|pick| rig.eye(pick.eye).ray(&pick.pixel));
-    let state = &fit.state.tangent_at(ray.as_ref());
+    let state = &fit.state().tangent_at(ray.as_ref());
     let mut cylinder = state.cylinder;
     if cylinder.axis.direction[cylinder.axis.direction.iamax()] < 0.0 {
         cylinder.axis.direction = -cylinder.axis.direction;
@@ -73,12 +74,12 @@ pub(super) fn give(
     for k in 0..ROD {
         let mut step = SVector::zeros();
         step[k] = 0.1 * covariance[(k, k)].max(0.0).sqrt().clamp(1e-9, 1e-3);
-        let [more, less] = [step, -step].map(|step| quantities(&fit.state.moved(&step)));
+        let [more, less] = [step, -step].map(|step| quantities(&fit.state().moved(&step)));
         let change = more.ok_or(Refusal::Lost)? - less.ok_or(Refusal::Lost)?;
         jacobian.set_column(k, &(change / (2.0 * step[k])));
     }
     let all = jacobian * covariance * jacobian.transpose();
-    let here = quantities(&fit.state).ok_or(Refusal::Lost)?;
+    let here = quantities(fit.state()).ok_or(Refusal::Lost)?;
     let o = &mut estimate.observability;
     // Of the reference point, which the images see, along the line of sight.
     let of_point = |k: usize| state.across[k].dot(&towards);
@@ -130,10 +131,12 @@ pub(super) fn give(
         }
     }
     check(&mut o.warnings, fit, judgement)?;
-    check_limbs(&mut o.warnings, *limbs, prior.is_some())?;
-    if *faded >= MOST_FADED {
+    check_limbs(&mut o.warnings, limbs, prior.is_some())?;
+    if faded.iter().any(|faded| *faded >= MOST_FADED) {
+        let faded: usize = faded.iter().sum();
         o.warnings.push(format!(
-            "light rises softly from {faded} of the four limbs, as one lamp near the cameras makes it: they may lie farther out"
+            "light rises softly from {faded} of the {} limbs, as one lamp near the cameras makes it: they may lie farther out",
+            number(limbs)
         ));
     }
     estimate.axis = Some(AxisEstimate {
@@ -180,7 +183,7 @@ pub(super) fn give(
 }
 
 /// Whether pixels and limbs agree with one straight round rod; what is weak is a warning.
-fn check(warnings: &mut Vec<String>, fit: &Fit, judgement: &Judgement) -> Result<(), Refusal> {
+fn check(warnings: &mut Vec<String>, fit: &Fits, judgement: &Judgement) -> Result<(), Refusal> {
     let (chi2, redundancies) = (judgement.chi2, judgement.redundancies);
     let usual = chi2_quantile(redundancies, WARN_NORMAL);
     if chi2 > REFUSE_TIMES * usual {
@@ -220,29 +223,45 @@ fn chi2_quantile(freedoms: usize, normal: f64) -> f64 {
 /// Whether the limbs that are seen place the rod.
 fn check_limbs(
     warnings: &mut Vec<String>,
-    limbs: [[Limb; 2]; 2],
+    limbs: &[[[Limb; 2]; 2]],
     is_radius_known: bool,
 ) -> Result<(), Refusal> {
-    let count = |which| {
-        limbs
-            .iter()
-            .flatten()
-            .filter(|limb| **limb == which)
-            .count()
-    };
+    let all = || limbs.iter().flatten().flatten();
+    let count = |which| all().filter(|limb| **limb == which).count();
+    let number = number(limbs);
     let (unseen, soft) = (count(Limb::Unseen), count(Limb::Soft));
     if !is_enough(limbs, is_radius_known) {
-        return Err(Refusal::Unseen { unseen, soft });
+        return Err(Refusal::Unseen {
+            number,
+            unseen,
+            soft,
+        });
+    }
+    for (pair, limbs) in limbs.iter().enumerate() {
+        if !limbs.iter().flatten().any(|limb| *limb == Limb::Seen) {
+            warnings.push(format!(
+                "pair {} shows no limb where the others put the rod: is its move right?",
+                pair + 1
+            ));
+        }
     }
     if unseen > 0 {
         warnings.push(format!(
-            "{unseen} of the four limbs not seen: the others place the rod"
+            "{unseen} of the {number} limbs not seen: the others place the rod"
         ));
     }
     if soft > 0 {
         warnings.push(format!(
-            "{soft} of the four limbs lost in the rod's own shadow: the others place the rod"
+            "{soft} of the {number} limbs lost in the rod's own shadow: the others place the rod"
         ));
     }
     Ok(())
+}
+
+/// How many limbs there are, in words.
+fn number(limbs: &[[[Limb; 2]; 2]]) -> String {
+    match limbs.len() {
+        1 => "four".to_owned(),
+        pairs => (4 * pairs).to_string(),
+    }
 }

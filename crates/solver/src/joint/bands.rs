@@ -33,6 +33,8 @@ pub(crate) struct Rows {
     pub(crate) inwards: f64,
     /// The limb in the middle row from the principal point, across and along, px.
     pub(crate) from_centre_px: [f64; 2],
+    /// Whether rows are columns of the image.
+    pub(crate) by_columns: bool,
     /// Through the middle row at −`REACH_PX`, 0 and `REACH_PX` from the limb, and beside the limb a row up and a row down.
     pub(crate) rays: [Ray; 5],
 }
@@ -143,6 +145,7 @@ impl Scan<'_> {
             values: Vec::new(),
             inwards,
             from_centre_px: [limb - centre_px[0], along - centre_px[1]],
+            by_columns: self.by_columns,
             rays: [
                 self.ray(limb - REACH_PX, along)?,
                 self.ray(limb, along)?,

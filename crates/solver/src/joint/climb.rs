@@ -1,12 +1,14 @@
 //! From a first cylinder to the likeliest one.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DVector, SVector};
 
 use super::block::{Alike, Lit};
 use super::crossing::moved_px;
+use super::drift::Drift;
 use super::fit::{Sums, sums};
 use super::pool::{Block, trust, usual};
 use super::state::{BEND, RADIUS, ROD, State, UNKNOWNS, of_shadow};
+use super::step::{Layout, Normal, Score, Slopes};
 
 /// Steps at most.
 const STEPS: usize = 40;
@@ -37,12 +39,21 @@ pub(crate) struct Prior {
     pub(crate) sigma_m: f64,
 }
 
-/// The likeliest state.
+/// The likeliest state of a pair.
 #[derive(Clone, Debug)]
 pub(crate) struct Fit {
     pub(crate) state: State,
     pub(crate) lit: Lit,
     pub(crate) sums: Sums,
+    /// How far off the pair is, where that is not known.
+    pub(crate) drift: Option<Drift>,
+}
+
+/// The likeliest rod of all pairs.
+#[derive(Clone, Debug)]
+pub(crate) struct Fits {
+    /// The first is there.
+    pub(crate) pairs: Vec<Fit>,
     pub(crate) converged: bool,
     /// How many samples were fitted.
     pub(crate) samples: usize,
@@ -50,91 +61,130 @@ pub(crate) struct Fit {
     pub(crate) rows_kept: f64,
 }
 
-impl Fit {
+impl Fits {
+    /// In the first pair's frame.
+    pub(crate) fn state(&self) -> &State {
+        &self.pairs[0].state
+    }
+
     /// By how much the pixels would be likelier were the rod free to bend.
     pub(crate) fn bend_gain(&self) -> f64 {
-        let normal = &self.sums.normal;
-        let mut freed = *normal;
-        for k in ROD + 2..UNKNOWNS {
-            freed.row_mut(k).fill(0.0);
-            freed.column_mut(k).fill(0.0);
-            freed[(k, k)] = 1.0;
+        let slopes = |fit: &Fit| (fit.sums.normal, fit.sums.score);
+        let slopes: Vec<_> = self.pairs.iter().map(slopes).collect();
+        let layout = layout(&self.pairs);
+        let mut freed = layout.gathered(&slopes);
+        layout.add_drifts(&mut freed, drifts(&self.pairs));
+        for pair in 0..self.pairs.len() {
+            for k in ROD + 2..UNKNOWNS {
+                freed.hold(Layout::place(pair, k));
+            }
         }
-        let mut score = self.sums.score;
-        score.rows_mut(ROD + 2, UNKNOWNS - ROD - 2).fill(0.0);
-        let mut straight = freed;
-        let mut of_straight = score;
+        let mut straight = freed.clone();
         for k in BEND..BEND + 2 {
-            straight.row_mut(k).fill(0.0);
-            straight.column_mut(k).fill(0.0);
-            (straight[(k, k)], of_straight[k]) = (1.0, 0.0);
+            straight.hold(k);
         }
-        let gain = |normal, score: &SVector<f64, UNKNOWNS>| {
-            solve(normal, score).map_or(0.0, |step| 0.5 * step.dot(score))
+        let gain = |slopes: &Slopes| {
+            slopes
+                .best()
+                .map_or(0.0, |step| 0.5 * step.dot(&slopes.score))
         };
-        gain(&freed, &score) - gain(&straight, &of_straight)
+        gain(&freed) - gain(&straight)
+    }
+
+    /// Χ² of a pixel.
+    pub(crate) fn misfit(&self) -> f64 {
+        let sum =
+            |of: fn(&Sums) -> f64| -> f64 { self.pairs.iter().map(|fit| of(&fit.sums)).sum() };
+        sum(|sums| sums.chi2) / sum(|sums| sums.pixels)
     }
 }
 
-/// Where a climb begins, and what is known before it.
+fn drifts(pairs: &[Fit]) -> impl Iterator<Item = Option<&Drift>> {
+    pairs.iter().map(|fit| fit.drift.as_ref())
+}
+
+fn layout(pairs: &[Fit]) -> Layout {
+    Layout::new(pairs.iter().map(|fit| (&fit.state, fit.drift.as_ref())))
+}
+
+/// Where the climb of a pair begins, and what is known before it.
 #[derive(Clone, Debug)]
 pub(crate) struct Start {
     pub(crate) state: State,
     /// The light, if it is known.
     pub(crate) lit: Option<Lit>,
     pub(crate) alike: Alike,
-    pub(crate) prior: Option<Prior>,
+    pub(crate) drift: Option<Drift>,
 }
 
-/// Climbs by Gauss and Newton with Levenberg's and Marquardt's damping until what is to be gained is less than `enough`.
-pub(crate) fn climb(start: &Start, blocks: &mut [Block], enough: f64) -> Option<Fit> {
-    let Start {
-        mut state,
-        lit,
-        alike,
-        prior,
-    } = start.clone();
-    let mut lit = lit.unwrap_or_else(|| {
-        // Shading first: with none all derivatives are zero.
-        let dark = Lit::dark(blocks.len());
-        sums(&state, blocks, &dark, &alike).lit(&dark, &SVector::zeros())
-    });
+impl Start {
+    /// Begins where a climb ended.
+    pub(crate) fn take(&mut self, fit: &Fit) {
+        (self.state, self.drift) = (fit.state, fit.drift);
+    }
+
+    fn fit(&self, blocks: &[Block]) -> Fit {
+        let Self {
+            state,
+            lit,
+            alike,
+            drift,
+        } = self.clone();
+        let lit = lit.unwrap_or_else(|| {
+            // Shading first: with none all derivatives are zero.
+            let dark = Lit::dark(blocks.len());
+            sums(&state, blocks, &dark, &alike).lit(&dark, &SVector::zeros())
+        });
+        Fit {
+            sums: sums(&state, blocks, &lit, &alike),
+            state,
+            lit,
+            drift,
+        }
+    }
+}
+
+/// Climbs by Gauss and Newton with Levenberg's and Marquardt's damping until what is to be gained is less than `enough`; `starts` and
+/// `blocks` are of each pair.
+pub(crate) fn climb(
+    starts: &[Start],
+    prior: Option<Prior>,
+    blocks: &mut [Vec<Block>],
+    enough: f64,
+) -> Option<Fits> {
+    let pairs = starts.iter().zip(&*blocks);
+    let mut here: Vec<Fit> = pairs.map(|(start, blocks)| start.fit(blocks)).collect();
     let (mut damping, mut harder) = (1e-3, 2.0);
-    let mut here = sums(&state, blocks, &lit, &alike);
     let mut taken = 0;
     let mut converged = false;
     let mut costs = Vec::with_capacity(STEPS);
     while taken < STEPS {
         taken += 1;
-        costs.push(here.cost);
-        let (mut normal, mut score) = (here.normal, here.score);
-        add_prior(&mut normal, &mut score, &state, prior);
-        add_known(&mut normal, &mut score, &state);
-        let undamped = normal;
+        costs.push(likelihood(&here));
+        let layout = layout(&here);
+        let undamped = slopes(&here, &layout, prior);
+        let bounds = layout.bounds(here.iter().map(|fit| &fit.state));
         // By how much a step without damping would be likelier, as far as slopes tell.
-        let free = bounded(&state, &normal, &score)?;
-        if taken > 2 && foreseen(&normal, &score, &free) < enough {
+        let free = undamped.bounded(&bounds)?;
+        if taken > 2 && undamped.gain(&free) < enough {
             converged = true;
             break;
         }
-        for k in 0..UNKNOWNS {
-            normal[(k, k)] += damping * normal[(k, k)] + f64::MIN_POSITIVE;
-        }
-        let step = bounded(&state, &normal, &score)?;
-        let next = state.moved(&step);
-        let next_lit = here.lit(&lit, &step);
-        let there = sums(&next, blocks, &next_lit, &alike);
-        let cost =
-            |sums: &Sums, state: &State| sums.cost + prior_cost(state, prior) + known_cost(state);
+        let step = undamped.damped(damping).bounded(&bounds)?;
+        let there = stepped(&here, starts, blocks, &layout, &step);
         // Weights change with the state: the likelihood is no sharper than that.
-        let better = cost(&there, &next) <= cost(&here, &state) + GAIN;
-        let size2 = (step.transpose() * here.normal * step)[(0, 0)];
+        let better = cost(&there, prior) <= cost(&here, prior) + GAIN;
+        let squares = here.iter().enumerate().map(|(pair, fit)| {
+            let step = layout.of_pair(&step, pair);
+            (step.transpose() * fit.sums.normal * step)[(0, 0)]
+        });
+        let size2: f64 = squares.sum();
         if better {
-            let gained = cost(&here, &state) - cost(&there, &next);
-            let is_still = size2 < ENOUGH * ENOUGH || moved_px(blocks, &state, &next) < STILL_PX;
-            (state, lit, here) = (next, next_lit, there);
+            let gained = cost(&here, prior) - cost(&there, prior);
+            let is_still = size2 < ENOUGH * ENOUGH || farthest_px(blocks, &here, &there) < STILL_PX;
+            here = there;
             // By how well the step's gain was foreseen (Nielsen 1999).
-            let foreseen = foreseen(&undamped, &score, &step).max(f64::MIN_POSITIVE);
+            let foreseen = undamped.gain(&step).max(f64::MIN_POSITIVE);
             let off = 2.0 * gained / foreseen - 1.0;
             damping = (damping * (1.0 - off * off * off).clamp(0.1, 1.0)).max(1e-9);
             harder = 2.0;
@@ -144,8 +194,10 @@ pub(crate) fn climb(start: &Start, blocks: &mut [Block], enough: f64) -> Option<
                 break;
             }
             if taken == 2 {
-                weigh_cuts(blocks, &here);
-                here = sums(&state, blocks, &lit, &alike);
+                for ((fit, blocks), start) in here.iter_mut().zip(blocks.iter_mut()).zip(starts) {
+                    weigh_cuts(blocks, &fit.sums);
+                    fit.sums = sums(&fit.state, blocks, &fit.lit, &start.alike);
+                }
             }
         } else {
             if size2 < ENOUGH * ENOUGH {
@@ -160,71 +212,93 @@ pub(crate) fn climb(start: &Start, blocks: &mut [Block], enough: f64) -> Option<
         }
     }
     // What creeps is as good as there.
-    let crept = CREPT.max(CREPT_SHARE * here.cost);
-    converged |= taken == STEPS && costs[STEPS - CREEPS] - here.cost < crept;
-    let cuts = || blocks.iter().flat_map(|block| block.cuts.iter().flatten());
+    let crept = CREPT.max(CREPT_SHARE * likelihood(&here));
+    converged |= taken == STEPS && costs[STEPS - CREEPS] - likelihood(&here) < crept;
+    let cuts = || {
+        blocks
+            .iter()
+            .flatten()
+            .flat_map(|block| block.cuts.iter().flatten())
+    };
     let kept = cuts().filter(|cut| cut.weight > 0.5);
     let kept: usize = kept.map(|cut| cut.rows_kept).sum();
     let rows: usize = cuts().map(|cut| cut.rows).sum();
     let rows_kept = kept as f64 / rows.max(1) as f64;
-    Some(Fit {
+    Some(Fits {
         samples: cuts().map(|cut| cut.samples.len()).sum(),
         rows_kept,
-        state,
-        lit,
-        sums: here,
+        pairs: here,
         converged,
     })
 }
 
-/// The step to the best of what the state may be: what would go beyond ends there, and the others step as is best then.
-fn bounded(
-    state: &State,
-    normal: &SMatrix<f64, UNKNOWNS, UNKNOWNS>,
-    score: &SVector<f64, UNKNOWNS>,
-) -> Option<SVector<f64, UNKNOWNS>> {
-    let [least, most] = state.bounds();
-    let mut held = [None; UNKNOWNS];
-    loop {
-        let (mut normal, mut right) = (*normal, *score);
-        for (k, held) in held.iter().enumerate() {
-            if let Some(by) = held {
-                right -= normal.column(k) * *by;
-            }
-        }
-        for (k, held) in held.iter().enumerate() {
-            if let Some(by) = held {
-                normal.row_mut(k).fill(0.0);
-                normal.column_mut(k).fill(0.0);
-                (normal[(k, k)], right[k]) = (1.0, *by);
-            }
-        }
-        let step = solve(&normal, &right)?;
-        let mut is_within = true;
-        for (k, held) in held
-            .iter_mut()
-            .enumerate()
-            .filter(|(_, held)| held.is_none())
-        {
-            let end = step[k].clamp(least[k], most[k]);
-            if end != step[k] {
-                *held = Some(end);
-                is_within = false;
-            }
-        }
-        if is_within {
-            return Some(step);
-        }
-    }
+/// How likelihood changes, with what is known.
+fn slopes(here: &[Fit], layout: &Layout, prior: Option<Prior>) -> Slopes {
+    let known = here.iter().enumerate().map(|(pair, fit)| {
+        let (mut normal, mut score) = (fit.sums.normal, fit.sums.score);
+        add_prior(
+            &mut normal,
+            &mut score,
+            &fit.state,
+            prior.filter(|_| pair == 0),
+        );
+        add_known(&mut normal, &mut score, &fit.state);
+        (normal, score)
+    });
+    let mut all = layout.gathered(&known.collect::<Vec<_>>());
+    layout.add_drifts(&mut all, drifts(here));
+    all
 }
 
-/// By how much likelier a step is as far as slopes tell.
-fn foreseen(
-    normal: &SMatrix<f64, UNKNOWNS, UNKNOWNS>,
-    score: &SVector<f64, UNKNOWNS>,
-    step: &SVector<f64, UNKNOWNS>,
-) -> f64 {
-    step.dot(score) - 0.5 * step.dot(&(normal * step))
+/// All pairs after a step.
+fn stepped(
+    here: &[Fit],
+    starts: &[Start],
+    blocks: &[Vec<Block>],
+    layout: &Layout,
+    step: &DVector<f64>,
+) -> Vec<Fit> {
+    let mut there: Vec<Fit> = Vec::with_capacity(here.len());
+    for (pair, ((fit, start), blocks)) in here.iter().zip(starts).zip(blocks).enumerate() {
+        let own = layout.of_pair(step, pair);
+        let mut state = fit.state.moved(&own);
+        let drift = fit
+            .drift
+            .map(|drift| drift.moved(&layout.of_drift(step, pair)));
+        // Turns do not add up as steps do: the rod is where the first pair has it.
+        if let (Some(drift), Some(first)) = (&drift, there.first()) {
+            state = drift.seen(&first.state, &state);
+        }
+        let lit = fit.sums.lit(&fit.lit, &own);
+        there.push(Fit {
+            sums: sums(&state, blocks, &lit, &start.alike),
+            state,
+            lit,
+            drift,
+        });
+    }
+    there
+}
+
+/// Of the pixels alone.
+fn likelihood(pairs: &[Fit]) -> f64 {
+    pairs.iter().map(|fit| fit.sums.cost).sum()
+}
+
+fn cost(pairs: &[Fit], prior: Option<Prior>) -> f64 {
+    let known = pairs.iter().enumerate().map(|(pair, fit)| {
+        let prior = prior.filter(|_| pair == 0);
+        let drift = fit.drift.map_or(0.0, |drift| drift.cost());
+        fit.sums.cost + prior_cost(&fit.state, prior) + known_cost(&fit.state) + drift
+    });
+    known.sum()
+}
+
+/// By how many pixels limbs differ at most.
+pub(crate) fn farthest_px(blocks: &[Vec<Block>], from: &[Fit], to: &[Fit]) -> f64 {
+    let pairs = blocks.iter().zip(from.iter().zip(to));
+    let moved = pairs.map(|(blocks, (from, to))| moved_px(blocks, &from.state, &to.state));
+    moved.fold(0.0, f64::max)
 }
 
 fn prior_cost(state: &State, prior: Option<Prior>) -> f64 {
@@ -235,12 +309,7 @@ fn prior_cost(state: &State, prior: Option<Prior>) -> f64 {
 }
 
 /// What is known of the radius, as one measurement more.
-fn add_prior(
-    normal: &mut SMatrix<f64, UNKNOWNS, UNKNOWNS>,
-    score: &mut SVector<f64, UNKNOWNS>,
-    state: &State,
-    prior: Option<Prior>,
-) {
+fn add_prior(normal: &mut Normal, score: &mut Score, state: &State, prior: Option<Prior>) {
     if let Some(prior) = prior {
         let weight = 1.0 / (prior.sigma_m * prior.sigma_m);
         normal[(RADIUS, RADIUS)] += weight;
@@ -250,11 +319,7 @@ fn add_prior(
 
 /// What is known of blurs and shadows: how sharp lenses are, that shadows' light is a share of what there is, and that their angle is
 /// not to run away.
-pub(crate) fn add_known(
-    normal: &mut SMatrix<f64, UNKNOWNS, UNKNOWNS>,
-    score: &mut SVector<f64, UNKNOWNS>,
-    state: &State,
-) {
+pub(crate) fn add_known(normal: &mut Normal, score: &mut Score, state: &State) {
     for (k, blur_px2) in state.blur_px2.into_iter().enumerate() {
         let sharpness = 1.0 / (BLUR_SPREAD * BLUR_SPREAD);
         normal[(ROD + k, ROD + k)] += sharpness;
@@ -291,22 +356,6 @@ fn known_cost(state: &State) -> f64 {
         .chain([unlike])
         .map(|off| 0.5 * off * off)
         .sum()
-}
-
-/// Solves after scaling to a unit diagonal: metres and radians differ by orders of magnitude.
-fn solve(
-    normal: &SMatrix<f64, UNKNOWNS, UNKNOWNS>,
-    score: &SVector<f64, UNKNOWNS>,
-) -> Option<SVector<f64, UNKNOWNS>> {
-    let scale = normal
-        .diagonal()
-        .map(|v| 1.0 / v.max(f64::MIN_POSITIVE).sqrt());
-    let scaled = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::from_fn(|i, j| {
-        normal[(i, j)] * scale[i] * scale[j] + if i == j { 1e-12 } else { 0.0 }
-    });
-    let step = scaled.cholesky()?.solve(&score.component_mul(&scale));
-    let step = step.component_mul(&scale);
-    step.iter().all(|v| v.is_finite()).then_some(step)
 }
 
 /// Limbs of blocks that something hides say less.

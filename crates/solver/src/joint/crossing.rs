@@ -100,6 +100,7 @@ pub(crate) struct Middle {
     pub(crate) inwards: [f64; 2],
     /// From the principal point, across and along, px; and along from −1 to 1.
     pub(crate) from_centre_px: [f64; 2],
+    pub(crate) by_columns: bool,
     pub(crate) along: f64,
     /// Half of the length from −1 to 1, px.
     pub(crate) half_px: f64,
@@ -116,6 +117,7 @@ impl Middle {
             radius_px: state.cylinder.radius_m / crossing.per_px,
             inwards: crossing.normal.map(|v| sign * v),
             from_centre_px: cut.from_centre_px,
+            by_columns: cut.by_columns,
             along: block.along,
             half_px: block.half_px,
             lamps: Lamp::of(state, &cut.rays[1], -sign),

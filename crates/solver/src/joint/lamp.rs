@@ -8,7 +8,7 @@ use rodsight_geometry::Vec3;
 
 use super::bands::{INSIDE_PX, Ray};
 use super::block::{Alike, Lit, Shading};
-use super::climb::{self, Fit, Prior, Start};
+use super::climb::{self, Fit, Fits, Prior, Start};
 use super::crossing::Crossing;
 use super::limbs::Found;
 use super::pool::Block;
@@ -171,39 +171,41 @@ pub(crate) fn inside_px(found: &[[Found; 2]; 2]) -> f64 {
 
 /// The likeliest rod in the light of one lamp or two, near one that was fitted to light of any kind; `None` where it is much less likely.
 pub(crate) fn by_lamps(
-    free: &Fit,
+    free: &Fits,
     prior: Option<Prior>,
     gather: impl Fn(&State, usize) -> Option<Vec<Block>>,
 ) -> Option<State> {
-    let blocks = gather(&free.state, SOME)?;
-    let axis = &free.state.cylinder.axis;
+    let rod = *free.state();
+    let blocks = gather(&rod, SOME)?;
+    let axis = &rod.cylinder.axis;
     let cuts = || blocks.iter().flat_map(|block| block.cuts.iter().flatten());
     let view: Vec3 = cuts().map(|cut| back(&axis.direction, &cut.rays[1])).sum();
-    let [first, second] = free.state.across;
+    let [first, second] = rod.across;
     let view_rad = libm::atan2(view.dot(&second), view.dot(&first));
     let alike = Alike {
         each: [0, 1].map(|eye| of_both_limbs(brightness(&blocks, eye), [UNLIKE_EACH; 2])),
         ..Alike::default()
     };
     let climbed = |state, step, enough| {
-        let mut blocks = gather(&state, step)?;
+        let mut blocks = [gather(&state, step)?];
         let start = Start {
             state,
             lit: None,
             alike,
-            prior,
+            drift: None,
         };
-        climb::climb(&start, &mut blocks, enough)
+        climb::climb(&[start], prior, &mut blocks, enough)
     };
     // Of a sample, as windows differ.
-    let cost = |fit: &Fit| fit.sums.cost / fit.samples as f64;
-    let mut likeliest: Option<(f64, Fit)> = None;
+    let cost =
+        |fit: &Fits| fit.pairs.iter().map(|fit| fit.sums.cost).sum::<f64>() / fit.samples as f64;
+    let mut likeliest: Option<(f64, Fits)> = None;
     for (beginnings, worse) in [(&ONE_RAD[..], 0.0), (&TWO_RAD[..], WORSE)] {
         let states = beginnings.iter().flat_map(|off_rad| {
             let state = State {
                 shadows: [[None; 2]; 2],
                 lamps_rad: off_rad.map(|off_rad| Some(view_rad + off_rad?)),
-                ..free.state
+                ..rod
             };
             let farther = off_rad[1]
                 .is_none()
@@ -215,7 +217,7 @@ pub(crate) fn by_lamps(
         let Some(best) = fits.min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
             continue;
         };
-        let fit = climbed(best.state, 1, ENOUGH).filter(|fit| is_before(&fit.state, &blocks));
+        let fit = climbed(*best.state(), 1, ENOUGH).filter(|fit| is_before(fit.state(), &blocks));
         let Some(fit) = fit else {
             continue;
         };
@@ -225,7 +227,7 @@ pub(crate) fn by_lamps(
         }
     }
     let (least, fit) = likeliest?;
-    (least < MOST_COST.min(cost(free) + MOST_WORSE)).then_some(fit.state)
+    (least < MOST_COST.min(cost(free) + MOST_WORSE)).then(|| *fit.state())
 }
 
 /// Whether no lamp is behind the rod.

@@ -1,24 +1,33 @@
 //! The best we can do: limbs found without a threshold in all colours, then one fit of the rod to the pixels of both images.
 //!
-//! From coarse to fine: `light` bins, `radon` and `sums` find edges in all colours at once, `strip` pairs them, `pair` matches strips of
-//! both eyes; `refine` takes one match to the likeliest rod there. In it `trace` and `contrast` look closer. Then the likelihood: `bands`
-//! are the pixels around the limbs, `noise` what they weigh, and `pool` what neighbouring rows say together; `state` is what is unknown,
-//! `moments`, `spread` and `shade` the light of a pixel, `crossing` where it is, `block` and `fit` the sums over all, `climb` their maximum; `alike` learns how
-//! shading changes along the limbs; `shadow` and `limbs` look at what the light inside a limb says of lamps, and whether it is a limb at
-//! all. Last `judge`, the covariance and the redundancies, and `answer`.
+//! From coarse to fine: `light` bins, `radon` and `sums` find edges in all colours at once, `strip` pairs them (`shot` holds what a pair
+//! of images shows), `pair` matches strips of both eyes, `elsewhere` those of several pairs; `refine` takes one match to the likeliest rod
+//! there. In it `trace` and `contrast` look closer. Then the likelihood: `bands` are the pixels around the limbs, `noise` what they weigh,
+//! and `pool` what neighbouring rows say together; `state` is what is unknown, `moments`, `spread` and `shade` the light of a pixel,
+//! `crossing` where it is, `block` and `fit` the sums over all, `climb` their maximum by `step`s of all pairs, `drift` what is not known of a
+//! move; `alike` learns how shading changes along the limbs; `shadow` and `limbs` look at what the light inside a limb says of lamps, and
+//! whether it is a limb at all. Last `judge` with `covariance`: how sure it is and the redundancies, `astray`: whether pairs contradict
+//! each other, and `answer`.
 //!
 //! Each limb has its own axis of colours and its own light inside, block by block: lamps beside the cameras end in shadows that no one
 //! profile across the rod holds.
 //!
-//! Not in it: striped and overgrown rods whose limbs cancel, more than two views, fits of many rods at once.
+//! Pairs from elsewhere are in the first one's frame from the start: their cameras are where the rig went. A rod is the same in all of
+//! them; blurs, shadows and shading are each pair's own.
+//!
+//! Not in it: striped and overgrown rods whose limbs cancel, single images from elsewhere, fits of many rods at once.
 
 mod alike;
 mod answer;
+mod astray;
 mod bands;
 mod block;
 mod climb;
 mod contrast;
+mod covariance;
 mod crossing;
+mod drift;
+mod elsewhere;
 mod fit;
 mod judge;
 mod lamp;
@@ -33,8 +42,10 @@ mod refine;
 mod refusal;
 mod shade;
 mod shadow;
+mod shot;
 mod spread;
 mod state;
+mod step;
 mod strip;
 mod sums;
 mod trace;
@@ -42,23 +53,13 @@ mod whitening;
 
 use std::time::Instant;
 
-use rodsight_geometry::{Eye, Pixel};
-
 use crate::{Estimate, Method, Request, SolveError};
 use answer::give;
-use light::Light;
 use pair::Candidate;
 use refine::Located;
 use refusal::Refusal;
-use strip::Strip;
+use shot::Shot;
 
-/// Edges of an image that are paired.
-const EDGES: usize = 48;
-/// Strips of an image that are paired with the other's.
-const STRIPS: usize = 12;
-/// How many pixels, and how many a side, a region has at most as it is searched. Where nothing was found it is searched again: coarser
-/// for what is faint, finer for what texture hides.
-const COARSE: [(usize, usize); 3] = [(1 << 15, 256), (1 << 13, 128), (1 << 17, 512)];
 /// Rods that are fitted in turn until one fits, and what is likely enough of the likeliest to be tried.
 const TRIED: usize = 8;
 const LEAST_SHARE: f64 = 0.2;
@@ -68,15 +69,10 @@ const REST_SHARE: f64 = 0.4;
 const NEARER_SHARE: f64 = 0.25;
 /// Strips that are turned by less are one.
 const SAME_RAD: f64 = 0.15;
+/// Where other pairs may show what is parallel to the baseline, all of them together are to be so much less likely than it.
+const PARALLEL_SHARE: f64 = 0.5;
 /// Another rod that is as likely as this is a warning.
 const RUNNER_UP: f64 = 0.8;
-
-/// What was seen in one image.
-struct Seen<'a> {
-    light: Light<'a>,
-    strips: Vec<Strip>,
-    factor: usize,
-}
 
 /// Locates the rod.
 ///
@@ -92,53 +88,21 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Estimate, SolveError> {
     Ok(estimate)
 }
 
-fn see<'a>(request: &Request<'a>, eye: Eye) -> Result<Seen<'a>, Refusal> {
-    let roi = request.roi(eye);
-    let light = Light::of(request.image(eye), roi);
-    let pick = request
-        .pick
-        .filter(|pick| pick.eye == eye)
-        .map(|pick| pick.pixel - Pixel::new(roi.x_px.into(), roi.y_px.into()));
-    let factors = COARSE.map(|(pixels, side)| light.factor(pixels, side));
-    for (look, factor) in factors.into_iter().enumerate() {
-        if factors[..look].contains(&factor) {
-            continue;
-        }
-        let binned = light.binned(factor);
-        let floor = 2e-4 / factor as f64;
-        let edges = sums::edges(&binned, EDGES, floor);
-        let strips = strip::strips(&edges, &binned, pick.as_ref(), STRIPS);
-        if !strips.is_empty() {
-            return Ok(Seen {
-                light,
-                strips,
-                factor,
-            });
-        }
-    }
-    Err(if pick.is_some() {
-        Refusal::PickOffStrip { eye: eye.name() }
-    } else {
-        Refusal::NoPair { eye: eye.name() }
-    })
-}
-
 fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal> {
     let start = Instant::now();
-    let seen = [see(request, Eye::Left)?, see(request, Eye::Right)?];
-    let lights = [&seen[0].light, &seen[1].light];
+    let mut shots = vec![Shot::first(request)?];
+    shots.extend(request.more.iter().map(Shot::moved));
     let rig = &request.pair.rig;
-    let candidates = pair::candidates(
-        rig,
-        lights,
-        [&seen[0].strips, &seen[1].strips],
-        request.radius,
-        [seen[0].factor, seen[1].factor],
-        LEAST_SHARE,
-    );
+    let (candidates, parallel_share) = match &shots[..] {
+        [first] => (pair::candidates(first, request.radius, LEAST_SHARE), 1.0),
+        all => (
+            elsewhere::candidates(all, request.radius, LEAST_SHARE),
+            PARALLEL_SHARE,
+        ),
+    };
     estimate.timing_ms.pair = start.elapsed().as_secs_f64() * 1e3;
     let start = Instant::now();
-    let parallel = pair::parallel(rig, lights, [&seen[0].strips, &seen[1].strips]);
+    let parallel = parallel_share * pair::parallel(&shots[0]);
     if request.radius.is_none() && parallel > candidates.first().map_or(0.0, |best| best.score) {
         return Err(Refusal::ParallelToBaseline);
     }
@@ -161,7 +125,7 @@ fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal>
                 continue;
             }
         }
-        let Some(found) = refine::refine(request, lights, candidate) else {
+        let Some(found) = refine::refine(request, &shots, candidate) else {
             continue;
         };
         let is_better = match &located {
@@ -190,6 +154,9 @@ fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal>
         others.extend(worse);
     }
     let (chosen, found) = located.ok_or(Refusal::Lost)?;
+    if let Some(astray) = astray::astray(request, &shots, chosen, &found) {
+        astray.told(&mut estimate.observability.warnings)?;
+    }
     let other = candidates.iter().find(|other| !is_same(other, chosen));
     let o = &mut estimate.observability;
     o.runner_up_ratio = other.map(|other| other.score / best.score.max(f64::MIN_POSITIVE));
@@ -213,7 +180,7 @@ fn locate(request: &Request<'_>, estimate: &mut Estimate) -> Result<(), Refusal>
 /// How likely a candidate is, now that its pixels are known: edges within a rod are likely too, but pixels are as a rod has them only
 /// where one is. Never more than its score.
 fn worth(candidate: &Candidate, located: &Located) -> f64 {
-    candidate.score / located.misfit().max(1.0)
+    candidate.score / located.fit.misfit().max(1.0)
 }
 
 /// Whether the one is seen where the other is, in both images.

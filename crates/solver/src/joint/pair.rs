@@ -6,6 +6,7 @@ use rodsight_geometry::{
 };
 
 use super::light::Light;
+use super::shot::{Seen, Shot};
 use super::strip::Strip;
 use super::sums::Edge;
 use crate::RadiusPrior;
@@ -17,9 +18,11 @@ const LOG_RATIO_SPREAD: f64 = 0.4;
 const ONE_PLANE_RAD: f64 = 0.01;
 
 /// A rod of both eyes, roughly.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Candidate {
     pub(crate) strips: [Strip; 2],
+    /// Of the other pairs, where they are known.
+    pub(crate) more: Vec<Option<[Strip; 2]>>,
     pub(crate) score: f64,
 }
 
@@ -61,28 +64,33 @@ pub(crate) fn planes(
     Some([plane(normal_a, at_a, side_a), plane(normal_b, at_b, side_b)])
 }
 
-/// The cylinder of a strip in each eye, and how well four planes agree, px.
+/// The cylinder of strips in each eye of each pair, and how well their planes agree, px.
 pub(crate) fn cylinder(
-    rig: &Rig,
-    lights: [&Light<'_>; 2],
-    strips: [&Strip; 2],
+    shots: &[Shot<'_>],
+    strips: &[Option<[Strip; 2]>],
     known_radius_m: Option<f64>,
 ) -> Option<(Cylinder, f64)> {
-    let left = planes(&rig.left, lights[0], strips[0])?;
-    let right = planes(&rig.right, lights[1], strips[1])?;
-    touching(rig, lights[0], strips[0], [left, right], known_radius_m)
+    let mut all = Vec::with_capacity(4 * shots.len());
+    for (shot, strips) in shots.iter().zip(strips) {
+        if let Some([left, right]) = strips {
+            let lights = shot.lights();
+            all.extend(planes(&shot.rig.left, lights[0], left)?);
+            all.extend(planes(&shot.rig.right, lights[1], right)?);
+        }
+    }
+    let (first, [strip, _]) = (shots.first()?, strips.first()?.as_ref()?);
+    touching(&first.rig, first.lights()[0], strip, &all, known_radius_m)
 }
 
-/// The cylinder that touches the planes of both eyes.
-fn touching(
+/// The cylinder that touches planes; `strip` is of the first pair's left eye.
+pub(crate) fn touching(
     rig: &Rig,
     light: &Light<'_>,
     strip: &Strip,
-    [left, right]: [[TangentPlane; 2]; 2],
+    all: &[TangentPlane],
     known_radius_m: Option<f64>,
 ) -> Option<(Cylinder, f64)> {
-    let all = [left[0], left[1], right[0], right[1]];
-    let fit = Cylinder::from_tangent_planes(&all, known_radius_m).ok()?;
+    let fit = Cylinder::from_tangent_planes(all, known_radius_m).ok()?;
     let mut cylinder = fit.cylinder;
     // The reference point where the left eye looks at the rod.
     let corner = Pixel::new(light.roi.x_px.into(), light.roi.y_px.into());
@@ -109,9 +117,9 @@ fn nearest(axis: &Line3, from_m: &Vec3, along: &Vec3) -> Option<Vec3> {
 }
 
 /// A strip in space.
-struct Sight<'a> {
-    strip: &'a Strip,
-    planes: [TangentPlane; 2],
+pub(crate) struct Sight<'a> {
+    pub(crate) strip: &'a Strip,
+    pub(crate) planes: [TangentPlane; 2],
     /// Unit normal of the plane through the eye and the axis.
     axis_plane: Vec3,
     /// Where the strip's middle is seen from, and in which direction.
@@ -120,12 +128,13 @@ struct Sight<'a> {
 }
 
 /// The strips of both eyes that have tangent planes.
-fn sights<'a>(rig: &Rig, lights: [&Light<'_>; 2], strips: [&'a [Strip]; 2]) -> [Vec<Sight<'a>>; 2] {
+pub(crate) fn sights<'a>(shot: &'a Shot<'_>) -> [Vec<Sight<'a>>; 2] {
     [0, 1].map(|k| {
-        let mounted = [&rig.left, &rig.right][k];
-        let corner = Pixel::new(lights[k].roi.x_px.into(), lights[k].roi.y_px.into());
+        let mounted = [&shot.rig.left, &shot.rig.right][k];
+        let Seen { light, strips, .. } = &shot.seen[k];
+        let corner = Pixel::new(light.roi.x_px.into(), light.roi.y_px.into());
         let sight = |strip: &'a Strip| {
-            let planes = planes(mounted, lights[k], strip)?;
+            let planes = planes(mounted, light, strip)?;
             let [a, b] = planes.map(|plane| plane.normal);
             let (from_m, along) = mounted.ray(&(strip.middle_px + corner))?;
             Some(Sight {
@@ -136,7 +145,7 @@ fn sights<'a>(rig: &Rig, lights: [&Light<'_>; 2], strips: [&'a [Strip]; 2]) -> [
                 along,
             })
         };
-        strips[k].iter().filter_map(sight).collect()
+        strips.iter().filter_map(sight).collect()
     })
 }
 
@@ -187,52 +196,99 @@ fn disagreement_px(rig: &Rig, left: &Sight<'_>, right: &Sight<'_>) -> Option<f64
 /// What is nearly how far planes are apart is at least this share of how far they are.
 const NEARLY: f64 = 0.9;
 
-/// All pairs of strips that may be one rod and score at least this share of the likeliest, likeliest first.
-pub(crate) fn candidates(
-    rig: &Rig,
-    lights: [&Light<'_>; 2],
-    strips: [&[Strip]; 2],
-    prior: Option<RadiusPrior>,
-    factors: [usize; 2],
-    least_share: f64,
-) -> Vec<Candidate> {
-    let slack_px = 1.2 * factors[0].max(factors[1]) as f64;
-    let known = prior.map(|prior| prior.radius_m);
-    let [lefts, rights] = sights(rig, lights, strips);
-    // By what they score at most: most pairs are left before their cylinder is asked for.
+/// A strip of the left eye and one of the right.
+#[derive(Clone, Copy)]
+pub(crate) struct Double<'a> {
+    /// What it scores at most.
+    pub(crate) most: f64,
+    pub(crate) alike: f64,
+    pub(crate) left: &'a Sight<'a>,
+    pub(crate) right: &'a Sight<'a>,
+}
+
+impl Double<'_> {
+    pub(crate) fn strips(&self) -> [Strip; 2] {
+        [*self.left.strip, *self.right.strip]
+    }
+
+    pub(crate) fn planes(&self) -> [TangentPlane; 4] {
+        let ([a, b], [c, d]) = (self.left.planes, self.right.planes);
+        [a, b, c, d]
+    }
+}
+
+/// How far apart planes of one rod may be, px.
+pub(crate) fn slack_px(shot: &Shot<'_>) -> f64 {
+    1.2 * shot.seen[0].factor.max(shot.seen[1].factor) as f64
+}
+
+/// By how far a radius is off from what is known of it, in [0, 1].
+pub(crate) fn by_radius(prior: &RadiusPrior, radius_m: f64) -> f64 {
+    let off = libm::log(radius_m / prior.radius_m) / LOG_RATIO_SPREAD;
+    libm::exp(-0.5 * off * off)
+}
+
+/// All pairs of strips of both eyes, by what they score at most.
+pub(crate) fn doubles<'a>(
+    shot: &Shot<'_>,
+    [lefts, rights]: &'a [Vec<Sight<'a>>; 2],
+    is_radius_known: bool,
+) -> Vec<Double<'a>> {
+    let slack_px = slack_px(shot);
     let mut pairs = Vec::with_capacity(lefts.len() * rights.len());
-    for left in &lefts {
-        for right in &rights {
+    for left in lefts {
+        for right in rights {
             let both = f64::from((left.strip.score * right.strip.score).sqrt());
             let alike = both * likeness(left.strip, right.strip);
             // A radius that is known may locate what the planes alone do not.
-            let off = known.is_none().then(|| disagreement_px(rig, left, right));
+            let off = (!is_radius_known).then(|| disagreement_px(&shot.rig, left, right));
             let off = off.flatten().unwrap_or(0.0) * NEARLY / slack_px;
-            pairs.push((alike * libm::exp(-0.5 * off * off), alike, left, right));
+            pairs.push(Double {
+                most: alike * libm::exp(-0.5 * off * off),
+                alike,
+                left,
+                right,
+            });
         }
     }
-    pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+    pairs.sort_by(|a, b| b.most.total_cmp(&a.most));
+    pairs
+}
+
+/// All pairs of strips that may be one rod and score at least this share of the likeliest, likeliest first.
+pub(crate) fn candidates(
+    shot: &Shot<'_>,
+    prior: Option<RadiusPrior>,
+    least_share: f64,
+) -> Vec<Candidate> {
+    let slack_px = slack_px(shot);
+    let known = prior.map(|prior| prior.radius_m);
+    let sights = sights(shot);
     let mut found = Vec::new();
     let mut best = 0.0_f64;
-    for (most, alike, left, right) in pairs {
+    // Most are left before their cylinder is asked for.
+    for double in doubles(shot, &sights, known.is_some()) {
+        let Double {
+            most, alike, left, ..
+        } = double;
         if most < least_share * best || most <= 0.0 {
             break;
         }
-        let both = [left.planes, right.planes];
-        let touching = |known| touching(rig, lights[0], left.strip, both, known);
+        let all = double.planes();
+        let touching = |known| touching(&shot.rig, shot.lights()[0], left.strip, &all, known);
         let located = touching(None).or_else(|| known.and_then(|r| touching(Some(r))));
         let Some((cylinder, residual_px)) = located else {
             continue;
         };
         let off = residual_px / slack_px;
         let mut score = alike * libm::exp(-0.5 * off * off);
-        if let Some(prior) = prior {
-            let off = libm::log(cylinder.radius_m / prior.radius_m) / LOG_RATIO_SPREAD;
-            score *= libm::exp(-0.5 * off * off);
+        if let Some(prior) = &prior {
+            score *= by_radius(prior, cylinder.radius_m);
         }
         best = best.max(score);
         found.push(Candidate {
-            strips: [*left.strip, *right.strip],
+            strips: double.strips(),
+            more: Vec::new(),
             score,
         });
     }
@@ -242,8 +298,8 @@ pub(crate) fn candidates(
 }
 
 /// The score of the likeliest pair of strips that are seen in one plane with the baseline, alike and equally wide; 0 without any.
-pub(crate) fn parallel(rig: &Rig, lights: [&Light<'_>; 2], strips: [&[Strip]; 2]) -> f64 {
-    let [lefts, rights] = sights(rig, lights, strips);
+pub(crate) fn parallel(shot: &Shot<'_>) -> f64 {
+    let [lefts, rights] = sights(shot);
     let mut best = 0.0_f64;
     for left in &lefts {
         for right in &rights {
@@ -259,7 +315,7 @@ pub(crate) fn parallel(rig: &Rig, lights: [&Light<'_>; 2], strips: [&[Strip]; 2]
 }
 
 /// How alike the colours are that two strips stand out by, in [0, 1].
-fn likeness(left: &Strip, right: &Strip) -> f64 {
+pub(crate) fn likeness(left: &Strip, right: &Strip) -> f64 {
     // Inwards. What one eye sees on the left may be lower for the other.
     let inwards = |strip: &Strip| strip.edges.map(|edge| inwards(&edge, &strip.middle_px));
     let cos = |l: [f64; 3], r: [f64; 3]| -> f64 { l.iter().zip(&r).map(|(l, r)| l * r).sum() };

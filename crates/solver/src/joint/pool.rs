@@ -76,6 +76,7 @@ pub(crate) struct Cut {
     pub(crate) rows: usize,
     /// See [`Rows`].
     pub(crate) from_centre_px: [f64; 2],
+    pub(crate) by_columns: bool,
     pub(crate) rays: [Ray; 5],
 }
 
@@ -300,6 +301,7 @@ impl<'a> Draft<'a> {
             rows_kept,
             rows: self.squares.len(),
             from_centre_px: self.rows.from_centre_px,
+            by_columns: self.rows.by_columns,
             rays: self.rows.rays,
         })
     }

@@ -1,19 +1,21 @@
-//! From two strips to the likeliest rod there.
+//! From strips to the likeliest rod there.
 
 use rodsight_geometry::{Side, Vec3};
 
 use super::alike;
 use super::bands::{INSIDE_PX, Window};
 use super::block::Alike;
-use super::climb::{self, Fit, Prior, Start};
+use super::climb::{self, Fits, Prior, Start};
 use super::contrast::{self, View};
 use super::crossing::moved_px;
+use super::drift::Drift;
 use super::judge::{self, Judgement};
 use super::light::Light;
 use super::limbs::{self, Found, Limb};
 use super::pair::{self, Candidate};
 use super::pool::{self, Block};
 use super::shadow;
+use super::shot::Shot;
 use super::state::State;
 use super::strip::Strip;
 use super::{bands, lamp, trace};
@@ -34,132 +36,185 @@ const SURE_MISFIT: f64 = 1.3;
 
 /// A rod that was fitted.
 pub(super) struct Located {
-    pub(super) fit: Fit,
+    pub(super) fit: Fits,
     pub(super) judgement: Judgement,
     pub(super) prior: Option<Prior>,
-    /// Of each eye plus and minus.
-    pub(super) limbs: [[Limb; 2]; 2],
-    /// From how many of the limbs that are seen light rises softly.
-    pub(super) faded: usize,
+    /// Of each pair of each eye plus and minus.
+    pub(super) limbs: Vec<[[Limb; 2]; 2]>,
+    /// From how many of the limbs of each pair that are seen light rises softly.
+    pub(super) faded: Vec<usize>,
+    /// The pairs that show it at all.
+    pub(super) shown: Vec<usize>,
 }
 
 impl Located {
     /// Whether a ray meets this rod before another; `None` where they are met together, or one is not.
     pub(super) fn is_nearer(&self, other: &Self, (from_m, along): &(Vec3, Vec3)) -> Option<bool> {
         let met_m = |located: &Self| {
-            let tangent = located.fit.state.tangent_at(Some(&(*from_m, *along)));
+            let tangent = located.fit.state().tangent_at(Some(&(*from_m, *along)));
             Some(tangent.cylinder.intersect(from_m, along)?.0)
         };
         let (mine_m, theirs_m) = (met_m(self)?, met_m(other)?);
-        let radius_m = |located: &Self| located.fit.state.cylinder.radius_m;
+        let radius_m = |located: &Self| located.fit.state().cylinder.radius_m;
         let apart_m = radius_m(self).min(radius_m(other));
         ((mine_m - theirs_m).abs() > apart_m).then_some(mine_m < theirs_m)
     }
 
     /// Whether each eye sees a limb of it.
     pub(super) fn is_seen_by_both(&self) -> bool {
-        self.limbs.iter().all(|eye| eye.contains(&Limb::Seen))
+        let mut eyes = self.limbs.iter().flatten();
+        eyes.all(|eye| eye.contains(&Limb::Seen))
     }
 
     /// Whether it surely is a rod.
     pub(super) fn is_sure(&self) -> bool {
-        let limbs = self.limbs.iter().flatten();
-        let seen = limbs.filter(|limb| **limb == Limb::Seen).count();
-        self.fit.converged && seen == 4 && self.misfit() < SURE_MISFIT
+        let mut limbs = self.limbs.iter().flatten().flatten();
+        let is_seen = limbs.all(|limb| *limb == Limb::Seen);
+        self.fit.converged && is_seen && self.fit.misfit() < SURE_MISFIT
+    }
+
+    /// Whether all of it is as it should be.
+    pub(super) fn is_fine(&self) -> bool {
+        let mut limbs = self.limbs.iter().flatten().flatten();
+        let is_seen = limbs.all(|limb| *limb == Limb::Seen);
+        // What contradicts itself bends.
+        let is_straight = self.fit.state().bend_per_m.is_none();
+        let is_agreed = self.judgement.chi2 <= self.judgement.redundancies as f64;
+        is_seen && is_straight && is_agreed && self.fit.converged
     }
 
     /// Whether a ray meets the rod, or passes it nearly.
     pub(super) fn is_met(&self, ray: &(Vec3, Vec3)) -> bool {
-        let tangent = self.fit.state.tangent_at(Some(ray)).cylinder;
+        let tangent = self.fit.state().tangent_at(Some(ray)).cylinder;
         let beyond_m = tangent.tangency_residual_m(&ray.0, &ray.1, Side::Plus);
         beyond_m.is_some_and(|beyond_m| {
             let gap_m = (beyond_m + tangent.radius_m).abs();
             gap_m < (1.0 + MOST_MISS_RADII) * tangent.radius_m
         })
     }
-
-    /// χ² of a pixel.
-    pub(super) fn misfit(&self) -> f64 {
-        self.fit.sums.chi2 / self.fit.sums.pixels
-    }
 }
 
 /// Follows the limbs of a candidate and climbs to the likeliest rod.
 pub(super) fn refine(
     request: &Request<'_>,
-    lights: [&Light<'_>; 2],
+    shots: &[Shot<'_>],
     candidate: &Candidate,
 ) -> Option<Located> {
-    let rig = &request.pair.rig;
-    let strips = followed(lights, candidate);
+    let strips = [Some(candidate.strips)]
+        .into_iter()
+        .chain(candidate.more.iter().copied());
+    let pairs = shots.iter().zip(strips);
+    let strips: Vec<_> = pairs
+        .map(|(shot, strips)| Some(followed(shot.lights(), strips?)))
+        .collect();
     let known = request.radius.map(|prior| prior.radius_m);
-    let free = pair::cylinder(rig, lights, [&strips[0], &strips[1]], None);
+    let free = pair::cylinder(shots, &strips, None);
     let is_free = free.is_some();
-    let (cylinder, _) =
-        free.or_else(|| pair::cylinder(rig, lights, [&strips[0], &strips[1]], known))?;
+    let (cylinder, _) = free.or_else(|| pair::cylinder(shots, &strips, known))?;
     let prior = request.radius.map(|prior| Prior {
         radius_m: prior.radius_m,
         sigma_m: prior.sigma_m.unwrap_or(1e-6).max(1e-6),
     });
     let state = State::new(cylinder, 0.1);
-    let views = [
-        contrast::view(&rig.left, lights[0], &state)?,
-        contrast::view(&rig.right, lights[1], &state)?,
-    ];
-    let pixels = Pixels {
-        lights,
-        views,
-        inside_px: INSIDE_PX,
+    let (mut shown, mut pixels, mut blocks) = (Vec::new(), Vec::new(), Vec::new());
+    for (pair, shot) in shots.iter().enumerate() {
+        if let Some((of_pair, around)) = Pixels::of(shot, &state) {
+            shown.push(pair);
+            pixels.push(of_pair);
+            blocks.push(around);
+        }
+    }
+    // What another pair does not show, the first may.
+    if shown.first() != Some(&0) {
+        return None;
+    }
+    let look = |states: &[State]| -> Option<Vec<Vec<Block>>> {
+        let all = pixels.iter().zip(states);
+        all.map(|(pixels, state)| pixels.blocks(state)).collect()
     };
-    let mut blocks = pixels.blocks(&state)?;
-    let mut start = Start {
-        state,
-        lit: None,
-        alike: Alike::default(),
-        prior: prior.filter(|_| !is_free),
-    };
-    let mut fit = climb::climb(&start, &mut blocks, ROUGH_GAIN)?;
+    let states = |fit: &Fits| -> Vec<State> { fit.pairs.iter().map(|fit| fit.state).collect() };
+    let mut starts: Vec<Start> = pixels
+        .iter()
+        .map(|pixels| Start {
+            state,
+            lit: None,
+            alike: Alike::default(),
+            drift: pixels.drift,
+        })
+        .collect();
+    let free_prior = prior.filter(|_| !is_free);
+    let mut fit = climb::climb(&starts, free_prior, &mut blocks, ROUGH_GAIN)?;
     // What the limbs show without the radius that was given: it might be wrong, and pull the limbs to where none is.
     let seen_radius = prior.filter(|_| is_free).and_then(|_| {
-        let found = limbs::limbs(&fit, &blocks);
+        let found = found(&fit, &blocks);
         judge::judge(&fit, &found, None, request.calibration.as_ref())?.seen_radius
     });
-    let is_far = moved_px(&blocks, &state, &fit.state) > MOVED_PX;
-    let (alike, lit) = alike::alike(&fit, &blocks);
-    (start.alike, start.prior) = (alike, prior);
-    fit.state.shadows = shadow::shadows(&fit, &blocks);
-    fit.state.bend_per_m = (fit.bend_gain() > BEND_GAIN).then(Vec3::zeros);
-    (start.state, start.lit) = (fit.state, Some(lit));
+    let far_px = blocks.iter().zip(&fit.pairs);
+    let mut far_px = far_px.map(|(blocks, fit)| moved_px(blocks, &state, &fit.state));
+    let is_far = far_px.any(|far_px| far_px > MOVED_PX);
+    for ((start, fit), blocks) in starts.iter_mut().zip(&mut fit.pairs).zip(&blocks) {
+        let (alike, lit) = alike::alike(fit, blocks);
+        fit.state.shadows = shadow::shadows(fit, blocks);
+        (start.alike, start.lit) = (alike, Some(lit));
+    }
+    let bend = (fit.bend_gain() > BEND_GAIN).then(Vec3::zeros);
+    for (start, fit) in starts.iter_mut().zip(&mut fit.pairs) {
+        fit.state.bend_per_m = bend;
+        start.take(fit);
+    }
     if is_far {
-        (blocks, start.lit) = (pixels.blocks(&fit.state)?, None);
+        blocks = look(&states(&fit))?;
+        for start in &mut starts {
+            start.lit = None;
+        }
     }
-    fit = climb::climb(&start, &mut blocks, climb::GAIN)?;
-    if fit.state.bend_per_m.is_some() {
+    fit = climb::climb(&starts, prior, &mut blocks, climb::GAIN)?;
+    if fit.state().bend_per_m.is_some() {
         // Its ends come into view once the bend is known.
-        blocks = pixels.blocks(&fit.state)?;
-        (start.state, start.lit) = (fit.state, None);
-        fit = climb::climb(&start, &mut blocks, climb::GAIN)?;
+        blocks = look(&states(&fit))?;
+        for (start, fit) in starts.iter_mut().zip(&fit.pairs) {
+            start.take(fit);
+            start.lit = None;
+        }
+        fit = climb::climb(&starts, prior, &mut blocks, climb::GAIN)?;
     }
-    let mut found = limbs::limbs(&fit, &blocks);
-    if lamp::are_suspected(&fit, &found)
-        && let Some(lit) = pixels.by_lamps((&fit, &found), [prior.filter(|_| !is_free), prior])
+    let mut found = found(&fit, &blocks);
+    if let ([of_pair], [limbs]) = (&pixels[..], &found[..])
+        && lamp::are_suspected(&fit.pairs[0], limbs)
+        && let Some((start, lit, around)) = of_pair.by_lamps((&fit, limbs), [free_prior, prior])
     {
-        (start, fit, blocks) = lit;
-        found = limbs::limbs(&fit, &blocks);
+        (starts, fit, blocks) = (vec![start], lit, vec![around]);
+        found = self::found(&fit, &blocks);
     }
-    let mut limbs = found.map(|eye| eye.map(|found| found.limb));
-    let is_lost = limbs.iter().flatten().any(|limb| *limb != Limb::Seen);
-    if is_lost && is_enough(limbs, prior.is_some()) {
-        for block in &mut blocks {
-            for side in (0..2).filter(|side| limbs[block.eye][*side] != Limb::Seen) {
-                block.cuts[side] = None;
+    let limbs_of = |found: &[[[Found; 2]; 2]]| -> Vec<[[Limb; 2]; 2]> {
+        let limbs = found.iter();
+        limbs
+            .map(|eyes| eyes.map(|eye| eye.map(|found| found.limb)))
+            .collect()
+    };
+    let mut limbs = limbs_of(&found);
+    let is_lost = limbs
+        .iter()
+        .flatten()
+        .flatten()
+        .any(|limb| *limb != Limb::Seen);
+    if is_lost && is_enough(&limbs, prior.is_some()) {
+        for (blocks, limbs) in blocks.iter_mut().zip(&limbs) {
+            for block in blocks {
+                for side in (0..2).filter(|side| limbs[block.eye][*side] != Limb::Seen) {
+                    block.cuts[side] = None;
+                }
             }
         }
-        (start.state, start.lit) = (fit.state, Some(fit.lit));
-        fit = climb::climb(&start, &mut blocks, climb::GAIN)?;
+        for (start, fit) in starts.iter_mut().zip(fit.pairs) {
+            start.take(&fit);
+            start.lit = Some(fit.lit);
+        }
+        fit = climb::climb(&starts, prior, &mut blocks, climb::GAIN)?;
         // Without the others nothing checks those that are left but how they look.
-        found = limbs::limbs(&fit, &blocks);
-        for (limb, found) in limbs.iter_mut().flatten().zip(found.iter().flatten()) {
+        found = self::found(&fit, &blocks);
+        let limbs = limbs.iter_mut().flatten().flatten();
+        for (limb, found) in limbs.zip(found.iter().flatten().flatten()) {
             if *limb == Limb::Seen {
                 *limb = found.alone();
             }
@@ -167,19 +222,34 @@ pub(super) fn refine(
     }
     let mut judgement = judge::judge(&fit, &found, prior, request.calibration.as_ref())?;
     judgement.seen_radius = seen_radius.or(judgement.seen_radius);
-    let faded = found.iter().flatten().filter(|found| found.is_faded());
+    let faded = |eyes: &[[Found; 2]; 2]| {
+        let limbs = eyes.iter().flatten();
+        limbs.filter(|found| found.is_faded()).count()
+    };
+    let mut of_all = vec![[[Limb::Unseen; 2]; 2]; shots.len()];
+    for (pair, limbs) in shown.iter().zip(limbs) {
+        of_all[*pair] = limbs;
+    }
     Some(Located {
-        faded: faded.count(),
+        faded: found.iter().map(faded).collect(),
+        shown,
         fit,
         judgement,
         prior,
-        limbs,
+        limbs: of_all,
     })
 }
 
-/// The strips of a candidate, their edges followed through the pixels.
-fn followed(lights: [&Light<'_>; 2], candidate: &Candidate) -> [Strip; 2] {
-    let mut strips = candidate.strips;
+/// The limbs of each pair.
+fn found(fit: &Fits, blocks: &[Vec<Block>]) -> Vec<[[Found; 2]; 2]> {
+    let pairs = fit.pairs.iter().zip(blocks);
+    pairs
+        .map(|(fit, blocks)| limbs::limbs(fit, blocks))
+        .collect()
+}
+
+/// Strips with their edges followed through the pixels.
+fn followed(lights: [&Light<'_>; 2], mut strips: [Strip; 2]) -> [Strip; 2] {
     for (k, strip) in strips.iter_mut().enumerate() {
         let axis = strip.edges[0].axis;
         let towards = strip.edges[0].normal.dot(&strip.edges[1].normal).signum();
@@ -195,15 +265,32 @@ fn followed(lights: [&Light<'_>; 2], candidate: &Candidate) -> [Strip; 2] {
     strips
 }
 
-/// How both images are looked at.
+/// How the images of a pair are looked at.
 struct Pixels<'a> {
     lights: [&'a Light<'a>; 2],
     views: [View; 2],
     /// How far inside a limb.
     inside_px: f64,
+    drift: Option<Drift>,
 }
 
-impl Pixels<'_> {
+impl<'a> Pixels<'a> {
+    /// Of images that show a rod, and the pixels around its limbs.
+    fn of(shot: &'a Shot<'_>, rod: &State) -> Option<(Self, Vec<Block>)> {
+        let lights = shot.lights();
+        let pixels = Self {
+            lights,
+            views: [
+                contrast::view(&shot.rig.left, lights[0], rod)?,
+                contrast::view(&shot.rig.right, lights[1], rod)?,
+            ],
+            inside_px: INSIDE_PX,
+            drift: shot.drift,
+        };
+        let blocks = pixels.blocks(rod)?;
+        Some((pixels, blocks))
+    }
+
     /// The pixels around the limbs of a rod.
     fn blocks(&self, rod: &State) -> Option<Vec<Block>> {
         self.some_blocks(rod, 1)
@@ -230,12 +317,12 @@ impl Pixels<'_> {
     /// is given as of coming near, and of the end.
     fn by_lamps(
         &self,
-        (free, found): (&Fit, &[[Found; 2]; 2]),
+        (free, found): (&Fits, &[[Found; 2]; 2]),
         [rough, prior]: [Option<Prior>; 2],
-    ) -> Option<(Start, Fit, Vec<Block>)> {
+    ) -> Option<(Start, Fits, Vec<Block>)> {
         // Both limbs of an eye in the same colours: they have the same paint.
         let mut views = self.views;
-        for (view, evidence) in views.iter_mut().zip(&free.sums.evidence) {
+        for (view, evidence) in views.iter_mut().zip(&free.pairs.first()?.sums.evidence) {
             let plainest = usize::from(evidence[1] > evidence[0]);
             view.axes = [view.axes[plainest]; 2];
         }
@@ -248,26 +335,32 @@ impl Pixels<'_> {
             state: lamp::by_lamps(free, rough, |state, step| pixels.some_blocks(state, step))?,
             lit: None,
             alike: Alike::default(),
-            prior: rough,
+            drift: self.drift,
         };
-        let mut blocks = pixels.blocks(&start.state)?;
-        let fit = climb::climb(&start, &mut blocks, ROUGH_GAIN)?;
-        let (mut alike, lit) = alike::alike(&fit, &blocks);
+        let mut blocks = [pixels.blocks(&start.state)?];
+        let fit = climb::climb(&[start.clone()], rough, &mut blocks, ROUGH_GAIN)?;
+        let fit = fit.pairs.first()?;
+        start.take(fit);
+        let (mut alike, lit) = alike::alike(fit, &blocks[0]);
         alike.means = lamp::of_means(&lit);
-        start = Start {
-            state: fit.state,
-            lit: Some(lit),
-            alike,
-            prior,
-        };
-        let fit = climb::climb(&start, &mut blocks, climb::GAIN)?;
+        (start.alike, start.lit) = (alike, Some(lit));
+        let fit = climb::climb(&[start.clone()], prior, &mut blocks, climb::GAIN)?;
+        let [blocks] = blocks;
         Some((start, fit, blocks))
     }
 }
 
-/// Whether limbs place a rod: three of them, or one in each eye and its radius.
-pub(super) fn is_enough(limbs: [[Limb; 2]; 2], is_radius_known: bool) -> bool {
-    let seen = limbs.map(|eye| eye.iter().filter(|limb| **limb == Limb::Seen).count());
+/// Whether limbs place a rod: three of a pair, or one in each of its eyes and the radius. The first pair is to see it with both eyes:
+/// what others see might be another one.
+pub(super) fn is_enough(limbs: &[[[Limb; 2]; 2]], is_radius_known: bool) -> bool {
     let least = if is_radius_known { 2 } else { 3 };
-    seen[0] > 0 && seen[1] > 0 && seen[0] + seen[1] >= least
+    let seen = |eyes: &[[Limb; 2]; 2]| {
+        eyes.map(|eye| eye.iter().filter(|limb| **limb == Limb::Seen).count())
+    };
+    let are_of_both = |eyes: &[[Limb; 2]; 2], least: usize| {
+        let seen = seen(eyes);
+        seen[0] > 0 && seen[1] > 0 && seen[0] + seen[1] >= least
+    };
+    let is_first = limbs.first().is_some_and(|eyes| are_of_both(eyes, 2));
+    is_first && limbs.iter().any(|eyes| are_of_both(eyes, least))
 }

@@ -14,9 +14,13 @@ pub(crate) enum Refusal {
     #[error("the limbs cannot be followed through the pixels")]
     Lost,
     #[error(
-        "too few limbs: of four {unseen} not seen where the others put them, {soft} lost in the rod's own shadow; three are enough, or one in each image and the radius"
+        "too few limbs: of {number} {unseen} not seen where the others put them, {soft} lost in the rod's own shadow; three are enough, or one in each image and the radius"
     )]
-    Unseen { unseen: usize, soft: usize },
+    Unseen {
+        number: String,
+        unseen: usize,
+        soft: usize,
+    },
     #[error("no rod fits the pixels: the fit does not come to rest")]
     Restless,
     #[error(
@@ -30,7 +34,7 @@ pub(crate) enum Refusal {
     #[error("pick names no point of the rod: {detail}")]
     PickUnusable { detail: String },
     #[error(
-        "rod (nearly) parallel to the baseline, or in one plane with it: its depth is not seen; give the radius, move one camera or add a view"
+        "rod (nearly) parallel to the baseline, or in one plane with it: its depth is not seen; give the radius, move one camera or add a pair from where the rig moved across it"
     )]
     ParallelToBaseline,
     #[error(
@@ -41,6 +45,10 @@ pub(crate) enum Refusal {
         seen_mm: f64,
         sigma_mm: f64,
     },
+    #[error(
+        "the pairs contradict each other: what pair {number} shows by itself is not where all together put the rod (χ² = {chi2:.0} of 4): a wrong move, or another rod"
+    )]
+    Astray { number: usize, chi2: f64 },
     #[error("the depth is uncertain by {relative_percent:.0} %: too short, too faint or too far")]
     DepthUncertain { relative_percent: f64 },
     #[error(
@@ -64,6 +72,7 @@ impl Refusal {
             Self::ParallelToBaseline => "parallel_to_baseline",
             Self::RadiusContradicts { .. } => "radius_contradicts",
             Self::DepthUncertain { .. } => "depth_uncertain",
+            Self::Astray { .. } => "pairs_contradict",
             Self::Contradiction { .. } => "contradiction",
         }
     }

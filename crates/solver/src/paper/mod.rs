@@ -96,6 +96,7 @@ pub(crate) fn solve(
     params.validate()?;
     request.validate()?;
     request.refuse_ports()?;
+    request.refuse_more()?;
     let start = Instant::now();
     let [left, right] = eye::see_both(request, params);
     let (mut estimate, choice) = answer::answer(request, centre, params, [&left, &right]);

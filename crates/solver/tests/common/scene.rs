@@ -1,6 +1,6 @@
 //! What to paint.
 
-use rodsight_geometry::{Cylinder, Eye, Pixel, Rig, StereoPair, Vec3};
+use rodsight_geometry::{Cylinder, Eye, Line3, Pixel, Pose, Rig, RigFrame, StereoPair, Vec3};
 use rodsight_solver::Roi;
 
 use super::{ORANGE, WATER};
@@ -99,6 +99,28 @@ impl Scene {
     pub fn pair(&self) -> StereoPair {
         StereoPair::new(self.rig, self.image(Eye::Left), self.image(Eye::Right))
             .expect("images of the rig's size")
+    }
+
+    /// The same as the rig sees it that went there; lamps go with it.
+    pub fn moved(&self, rig_from_moved: &Pose<RigFrame, RigFrame>) -> Self {
+        let moved_from_rig = rig_from_moved.inverse();
+        let rod = |rod: &Cylinder| Cylinder {
+            axis: Line3 {
+                point_m: moved_from_rig.point(&rod.axis.point_m),
+                direction: moved_from_rig.direction(&rod.axis.direction),
+            },
+            ..*rod
+        };
+        let ball = |ball: &Ball| Ball {
+            centre_m: moved_from_rig.point(&ball.centre_m),
+            ..*ball
+        };
+        Self {
+            rods: self.rods.iter().map(rod).collect(),
+            balls: self.balls.iter().map(ball).collect(),
+            curvature_per_m: moved_from_rig.direction(&self.curvature_per_m),
+            ..self.clone()
+        }
     }
 
     pub(super) fn is_lit(&self) -> bool {
