@@ -148,7 +148,7 @@ fn a_rod_along_the_baseline_is_located_from_two_heights() {
 #[test]
 fn two_pairs_halve_the_variance() {
     let truth = oblique();
-    let scene = lit(truth, 0.06);
+    let scene = lit(truth, 0.02);
     let runs = 10;
     let (mut of_one, mut of_two, mut errors) = (0.0, 0.0, [0.0; 2]);
     for seed in 0..runs {

@@ -140,7 +140,7 @@ const SOME: usize = 4;
 /// A second lamp has one unknown more in each block, of 70 samples or so: it has to be the likelier for it (Akaike 1974).
 const WORSE: f64 = 0.014;
 /// Free light has three or four more.
-const MOST_WORSE: f64 = 0.045;
+const MOST_WORSE: f64 = 0.03;
 /// Where no lamps fit well, as by what is usual of noise, none are believed.
 const MOST_COST: f64 = 0.6;
 /// By so much of a lamp's light the limbs of an eye may differ in light from everywhere and in that of the lamp, as standard deviations.
@@ -172,11 +172,11 @@ pub(crate) fn inside_px(found: &[[Found; 2]; 2]) -> f64 {
 /// The likeliest rod in the light of one lamp or two, near one that was fitted to light of any kind; `None` where it is much less likely.
 pub(crate) fn by_lamps(
     free: &Fits,
-    prior: Option<Prior>,
-    gather: impl Fn(&State, usize) -> Option<Vec<Block>>,
+    (prior, deep_px): (Option<Prior>, f64),
+    gather: impl Fn(&State, usize, f64) -> Option<Vec<Block>>,
 ) -> Option<State> {
     let rod = *free.state();
-    let blocks = gather(&rod, SOME)?;
+    let blocks = gather(&rod, SOME, deep_px)?;
     let axis = &rod.cylinder.axis;
     let cuts = || blocks.iter().flat_map(|block| block.cuts.iter().flatten());
     let view: Vec3 = cuts().map(|cut| back(&axis.direction, &cut.rays[1])).sum();
@@ -186,12 +186,13 @@ pub(crate) fn by_lamps(
         each: [0, 1].map(|eye| of_both_limbs(brightness(&blocks, eye), [UNLIKE_EACH; 2])),
         ..Alike::default()
     };
-    let climbed = |state, step, enough| {
-        let mut blocks = [gather(&state, step)?];
+    let climbed = |state: State, step, inside_px, enough| {
+        let mut blocks = [gather(&state, step, inside_px)?];
+        let is_free = state.lamps_rad[0].is_none();
         let start = Start {
             state,
             lit: None,
-            alike,
+            alike: if is_free { Alike::default() } else { alike },
             drift: None,
         };
         climb::climb(&[start], prior, &mut blocks, enough)
@@ -213,21 +214,27 @@ pub(crate) fn by_lamps(
                 .flatten();
             [Some(state), farther].into_iter().flatten()
         });
-        let fits = states.filter_map(|state| climbed(state, SOME, ROUGH));
+        let fits = states.filter_map(|state| climbed(state, SOME, deep_px, ROUGH));
         let Some(best) = fits.min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
             continue;
         };
-        let fit = climbed(*best.state(), 1, ENOUGH).filter(|fit| is_before(fit.state(), &blocks));
+        let fit = climbed(*best.state(), 1, deep_px, ENOUGH)
+            .filter(|fit| is_before(fit.state(), &blocks));
         let Some(fit) = fit else {
             continue;
         };
-        let worth = cost(&fit) + worse;
+        // By what free light is looked at, too: deeper inside all fit.
+        let Some(near) = climbed(*fit.state(), 1, INSIDE_PX, ENOUGH) else {
+            continue;
+        };
+        let worth = cost(&near) + worse;
         if likeliest.as_ref().is_none_or(|(least, _)| worth < *least) {
             likeliest = Some((worth, fit));
         }
     }
     let (least, fit) = likeliest?;
-    (least < MOST_COST.min(cost(free) + MOST_WORSE)).then(|| *fit.state())
+    let free = climbed(rod, 1, INSIDE_PX, ENOUGH)?;
+    (least < MOST_COST.min(cost(&free) + MOST_WORSE)).then(|| *fit.state())
 }
 
 /// Whether no lamp is behind the rod.
@@ -308,4 +315,93 @@ fn of_both_limbs(brightness: f64, [around, lamp]: [f64; 2]) -> Shading {
         known[(minus, plus)] -= weight;
     }
     known
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RADIUS_PX: f64 = 40.0;
+
+    /// The light a distance inside the limb, unblurred.
+    fn light(psi_rad: f64, x_px: f64) -> f64 {
+        if x_px <= 0.0 {
+            return 0.0;
+        }
+        let t = 1.0 - x_px / RADIUS_PX;
+        let (sin, cos) = libm::sincos(psi_rad);
+        (sin * t + cos * (1.0 - t * t).sqrt()).max(0.0)
+    }
+
+    /// By brute force: the mean over a pixel and a Gaussian.
+    fn mean(psi_rad: f64, [across, along]: [f64; 2], sigma: f64, x_px: f64) -> f64 {
+        const N: i32 = 80;
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for g in -N..=N {
+            let z = 5.0 * f64::from(g) / f64::from(N);
+            let weight = libm::exp(-0.5 * z * z);
+            for i in 0..N {
+                for j in 0..N {
+                    let [a, b] = [i, j].map(|k| (f64::from(k) + 0.5) / f64::from(N) - 0.5);
+                    let x_px = x_px + sigma * z + a * across + b * along;
+                    sum += weight * light(psi_rad, x_px) / f64::from(N * N);
+                }
+            }
+            weights += weight;
+        }
+        sum / weights
+    }
+
+    fn at(psi_rad: f64, spread: &Spread, x_px: f64) -> [f64; 4] {
+        let lamp = Lamp { psi_rad, turn: 1.0 };
+        let rounded = (2.0 * RADIUS_PX - x_px).sqrt() / RADIUS_PX;
+        lamp.at(spread, (x_px, &spread.at(x_px)), (RADIUS_PX, rounded))
+    }
+
+    /// Lamps on the limb's side and on the other, whose light ends before the limb: just before it, and pixels away.
+    #[test]
+    fn light_is_that_of_a_blurred_round_rod() {
+        let (normal, sigma) = ([0.8, 0.6], 0.45);
+        let spread = Spread::new(normal, sigma * sigma);
+        for psi_rad in [1.1, 0.3, 0.0, -0.12, -0.2, -0.4, -0.7] {
+            for k in -3..12 {
+                let x_px = 0.5 * f64::from(k) + 0.1;
+                let found = at(psi_rad, &spread, x_px)[0];
+                let wanted = mean(psi_rad, normal, sigma, x_px);
+                assert!(
+                    (found - wanted).abs() < 4e-3,
+                    "{psi_rad} {x_px}: {found} {wanted}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_are_slopes() {
+        let spread = Spread::new([0.8, 0.6], 0.3);
+        for psi_rad in [1.1, 0.3, -0.12, -0.4, -0.7] {
+            for k in -3..12 {
+                let x_px = 0.5 * f64::from(k) + 0.13;
+                let h = 1e-4;
+                let [_, by_x, _, by_psi] = at(psi_rad, &spread, x_px);
+                let change = |a: [f64; 4], b: [f64; 4]| (a[0] - b[0]) / (2.0 * h);
+                let slope = change(
+                    at(psi_rad, &spread, x_px + h),
+                    at(psi_rad, &spread, x_px - h),
+                );
+                assert!(
+                    (by_x - slope).abs() < 2e-2,
+                    "{psi_rad} {x_px}: {by_x} {slope}"
+                );
+                let slope = change(
+                    at(psi_rad + h, &spread, x_px),
+                    at(psi_rad - h, &spread, x_px),
+                );
+                assert!(
+                    (by_psi - slope).abs() < 5e-2,
+                    "{psi_rad} {x_px}: {by_psi} {slope}"
+                );
+            }
+        }
+    }
 }
