@@ -140,7 +140,7 @@ const SOME: usize = 4;
 /// A second lamp has one unknown more in each block, of 70 samples or so: it has to be the likelier for it (Akaike 1974).
 const WORSE: f64 = 0.014;
 /// Free light has three or four more.
-const MOST_WORSE: f64 = 0.03;
+const MOST_WORSE: f64 = 0.045;
 /// Where no lamps fit well, as by what is usual of noise, none are believed.
 const MOST_COST: f64 = 0.6;
 /// By so much of a lamp's light the limbs of an eye may differ in light from everywhere and in that of the lamp, as standard deviations.
@@ -172,11 +172,11 @@ pub(crate) fn inside_px(found: &[[Found; 2]; 2]) -> f64 {
 /// The likeliest rod in the light of one lamp or two, near one that was fitted to light of any kind; `None` where it is much less likely.
 pub(crate) fn by_lamps(
     free: &Fits,
-    (prior, deep_px): (Option<Prior>, f64),
-    gather: impl Fn(&State, usize, f64) -> Option<Vec<Block>>,
+    prior: Option<Prior>,
+    gather: impl Fn(&State, usize) -> Option<Vec<Block>>,
 ) -> Option<State> {
     let rod = *free.state();
-    let blocks = gather(&rod, SOME, deep_px)?;
+    let blocks = gather(&rod, SOME)?;
     let axis = &rod.cylinder.axis;
     let cuts = || blocks.iter().flat_map(|block| block.cuts.iter().flatten());
     let view: Vec3 = cuts().map(|cut| back(&axis.direction, &cut.rays[1])).sum();
@@ -186,13 +186,12 @@ pub(crate) fn by_lamps(
         each: [0, 1].map(|eye| of_both_limbs(brightness(&blocks, eye), [UNLIKE_EACH; 2])),
         ..Alike::default()
     };
-    let climbed = |state: State, step, inside_px, enough| {
-        let mut blocks = [gather(&state, step, inside_px)?];
-        let is_free = state.lamps_rad[0].is_none();
+    let climbed = |state, step, enough| {
+        let mut blocks = [gather(&state, step)?];
         let start = Start {
             state,
             lit: None,
-            alike: if is_free { Alike::default() } else { alike },
+            alike,
             drift: None,
         };
         climb::climb(&[start], prior, &mut blocks, enough)
@@ -214,27 +213,21 @@ pub(crate) fn by_lamps(
                 .flatten();
             [Some(state), farther].into_iter().flatten()
         });
-        let fits = states.filter_map(|state| climbed(state, SOME, deep_px, ROUGH));
+        let fits = states.filter_map(|state| climbed(state, SOME, ROUGH));
         let Some(best) = fits.min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
             continue;
         };
-        let fit = climbed(*best.state(), 1, deep_px, ENOUGH)
-            .filter(|fit| is_before(fit.state(), &blocks));
+        let fit = climbed(*best.state(), 1, ENOUGH).filter(|fit| is_before(fit.state(), &blocks));
         let Some(fit) = fit else {
             continue;
         };
-        // By what free light is looked at, too: deeper inside all fit.
-        let Some(near) = climbed(*fit.state(), 1, INSIDE_PX, ENOUGH) else {
-            continue;
-        };
-        let worth = cost(&near) + worse;
+        let worth = cost(&fit) + worse;
         if likeliest.as_ref().is_none_or(|(least, _)| worth < *least) {
             likeliest = Some((worth, fit));
         }
     }
     let (least, fit) = likeliest?;
-    let free = climbed(rod, 1, INSIDE_PX, ENOUGH)?;
-    (least < MOST_COST.min(cost(&free) + MOST_WORSE)).then(|| *fit.state())
+    (least < MOST_COST.min(cost(free) + MOST_WORSE)).then(|| *fit.state())
 }
 
 /// Whether no lamp is behind the rod.
