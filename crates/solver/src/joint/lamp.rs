@@ -10,7 +10,7 @@ use super::bands::{INSIDE_PX, Ray};
 use super::block::{Alike, Lit, Shading};
 use super::climb::{self, Fit, Fits, Prior, Start};
 use super::crossing::Crossing;
-use super::limbs::Found;
+use super::limbs::{self, Found, Limb};
 use super::pool::Block;
 use super::shade::shadowed;
 use super::spread::{Shapes, Spread};
@@ -140,9 +140,10 @@ const SOME: usize = 4;
 /// A second lamp has one unknown more in each block, of 70 samples or so: it has to be the likelier for it (Akaike 1974).
 const WORSE: f64 = 0.014;
 /// Free light has three or four more.
-const MOST_WORSE: f64 = 0.045;
+const MOST_WORSE: f64 = 0.03;
 /// Where no lamps fit well, as by what is usual of noise, none are believed.
 const MOST_COST: f64 = 0.6;
+const MOST_DEEP_COST: f64 = 1.0;
 /// By so much of a lamp's light the limbs of an eye may differ in light from everywhere and in that of the lamp, as standard deviations.
 const UNLIKE_AROUND: f64 = 0.03;
 const UNLIKE_LAMP: f64 = 0.05;
@@ -172,11 +173,11 @@ pub(crate) fn inside_px(found: &[[Found; 2]; 2]) -> f64 {
 /// The likeliest rod in the light of one lamp or two, near one that was fitted to light of any kind; `None` where it is much less likely.
 pub(crate) fn by_lamps(
     free: &Fits,
-    prior: Option<Prior>,
-    gather: impl Fn(&State, usize) -> Option<Vec<Block>>,
+    (prior, deep_px): (Option<Prior>, f64),
+    gather: impl Fn(&State, usize, f64) -> Option<Vec<Block>>,
 ) -> Option<State> {
     let rod = *free.state();
-    let blocks = gather(&rod, SOME)?;
+    let blocks = gather(&rod, SOME, deep_px)?;
     let axis = &rod.cylinder.axis;
     let cuts = || blocks.iter().flat_map(|block| block.cuts.iter().flatten());
     let view: Vec3 = cuts().map(|cut| back(&axis.direction, &cut.rays[1])).sum();
@@ -186,19 +187,25 @@ pub(crate) fn by_lamps(
         each: [0, 1].map(|eye| of_both_limbs(brightness(&blocks, eye), [UNLIKE_EACH; 2])),
         ..Alike::default()
     };
-    let climbed = |state, step, enough| {
-        let mut blocks = [gather(&state, step)?];
+    let climbed = |state: State, step, inside_px, enough| {
+        let mut blocks = [gather(&state, step, inside_px)?];
+        let is_free = state.lamps_rad[0].is_none();
         let start = Start {
             state,
             lit: None,
-            alike,
+            alike: if is_free { Alike::default() } else { alike },
             drift: None,
         };
-        climb::climb(&[start], prior, &mut blocks, enough)
+        let fit = climb::climb(&[start], prior, &mut blocks, enough)?;
+        let seen = limbs::limbs(&fit.pairs[0], &blocks[0]);
+        let seen = seen.iter().flatten();
+        let seen = seen.filter(|found| found.limb == Limb::Seen).count();
+        Some((fit, seen))
     };
     // Of a sample, as windows differ.
     let cost =
         |fit: &Fits| fit.pairs.iter().map(|fit| fit.sums.cost).sum::<f64>() / fit.samples as f64;
+    let (free, free_seen) = climbed(rod, 1, INSIDE_PX, ENOUGH)?;
     let mut likeliest: Option<(f64, Fits)> = None;
     for (beginnings, worse) in [(&ONE_RAD[..], 0.0), (&TWO_RAD[..], WORSE)] {
         let states = beginnings.iter().flat_map(|off_rad| {
@@ -213,21 +220,36 @@ pub(crate) fn by_lamps(
                 .flatten();
             [Some(state), farther].into_iter().flatten()
         });
-        let fits = states.filter_map(|state| climbed(state, SOME, ROUGH));
+        let fits = states.filter_map(|state| Some(climbed(state, SOME, deep_px, ROUGH)?.0));
         let Some(best) = fits.min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
             continue;
         };
-        let fit = climbed(*best.state(), 1, ENOUGH).filter(|fit| is_before(fit.state(), &blocks));
-        let Some(fit) = fit else {
+        let fit = climbed(*best.state(), 1, deep_px, ENOUGH)
+            .filter(|(fit, _)| cost(fit) < MOST_DEEP_COST && is_before(fit.state(), &blocks));
+        let Some((fit, _)) = fit else {
             continue;
         };
-        let worth = cost(&fit) + worse;
+        // By what free light is looked at, too: deeper inside all fit.
+        let near = climbed(*fit.state(), 1, INSIDE_PX, ENOUGH);
+        // Beside a rod all fits as well: where there is nothing to explain.
+        let Some((near, seen)) = near.filter(|(_, seen)| *seen >= free_seen) else {
+            continue;
+        };
+        let worth = cost(&near) + worse;
+        let most = if seen > free_seen {
+            MOST_COST
+        } else {
+            MOST_COST.min(cost(&free) + MOST_WORSE)
+        };
+        if worth >= most {
+            continue;
+        }
         if likeliest.as_ref().is_none_or(|(least, _)| worth < *least) {
             likeliest = Some((worth, fit));
         }
     }
-    let (least, fit) = likeliest?;
-    (least < MOST_COST.min(cost(free) + MOST_WORSE)).then(|| *fit.state())
+    let (_, fit) = likeliest?;
+    Some(*fit.state())
 }
 
 /// Whether no lamp is behind the rod.

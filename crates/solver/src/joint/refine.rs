@@ -332,7 +332,13 @@ impl<'a> Pixels<'a> {
             ..*self
         };
         let mut start = Start {
-            state: lamp::by_lamps(free, rough, |state, step| pixels.some_blocks(state, step))?,
+            state: lamp::by_lamps(free, (rough, pixels.inside_px), |state, step, inside_px| {
+                let pixels = Pixels {
+                    inside_px,
+                    ..pixels
+                };
+                pixels.some_blocks(state, step)
+            })?,
             lit: None,
             alike: Alike::default(),
             drift: self.drift,
