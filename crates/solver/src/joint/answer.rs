@@ -19,7 +19,7 @@ const NEAR_BASELINE_RAD: f64 = 0.1;
 const WARN_HIDDEN: f64 = 0.25;
 const MOST_HIDDEN: f64 = 0.6;
 /// So many limbs of a pair from which light rises softly are a warning.
-const MOST_FADED: usize = 2;
+const MOST_FADED: usize = 1;
 /// Redundancies that disagree by more than one rod in a thousand by chance are a warning, by so many times that a refusal.
 const WARN_NORMAL: f64 = 3.09;
 const REFUSE_TIMES: f64 = 12.0;

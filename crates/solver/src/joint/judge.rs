@@ -18,6 +18,9 @@ const NARROW_PX: f64 = 5.0;
 
 /// Nor of light that rises softly from a limb without a step: this, px, times the square of how softly.
 const SOFT_PX: f64 = 0.15;
+/// It may be where a lamp's light ends, before the limb: this share of the radius, times the cube of how softly; where one lamp explains it,
+/// and where it takes two.
+const SOFT_RADII: [f64; 3] = [0.05, 0.01, 0.03];
 /// Of limbs of blocks so many are worth of what is fitted to all of them: edges, blurs, shadows and half of their mean shading.
 const FITTED: f64 = 42.0;
 /// Nor of lenses softer than this, px: a share of what is beyond it.
@@ -259,12 +262,15 @@ fn told(
         let Found {
             softness, middle, ..
         } = found;
-        let softness = if found.is_explained() { 0.0 } else { softness };
+        let radius_px = middle.map_or(0.0, |middle| middle.radius_px);
         let narrow = middle.map_or(0.0, |middle| NARROW_PX / middle.radius_px);
         let blur_px = (fit.state.blur_px2[k / 6].sqrt() - SHARP_PX).max(0.0);
+        let soft2 = softness * softness;
+        let lamps = fit.state.lamps_rad.iter().flatten().count();
+        let soft_px = if lamps == 0 { SOFT_PX * soft2 } else { 0.0 };
         let floor_px = libm::hypot(
             FLOOR_PX * (1.0 + narrow) + BLURRED * blur_px,
-            SOFT_PX * softness * softness,
+            libm::hypot(soft_px, SOFT_RADII[lamps] * radius_px * soft2 * softness),
         );
         covariance[(k, k)] += FLOORS[k % 3] * floor_px * floor_px;
     }

@@ -8,7 +8,7 @@ use rodsight_geometry::Vec3;
 
 use super::bands::{INSIDE_PX, Ray};
 use super::block::{Alike, Lit, Shading};
-use super::climb::{self, Fit, Fits, Prior, Start};
+use super::climb::{self, Fits, Prior, Start};
 use super::crossing::Crossing;
 use super::limbs::{self, Found, Limb};
 use super::pool::Block;
@@ -123,12 +123,10 @@ const INSIDE: f64 = 0.5;
 const MOST_INSIDE_PX: f64 = 25.0;
 /// What is nearer to a limb, px, is reached from it.
 const LEAST_FARTHER_PX: f64 = 2.0;
-/// Of narrower rods all is near a limb.
-const NARROW_PX: f64 = 12.0;
 /// Of narrower rods one limb's light is the other's.
 const LEAST_RADIUS_PX: f64 = 4.0;
 /// Softer limbs are suspect.
-const LEAST_SOFTNESS: f64 = 0.4;
+const LEAST_SOFTNESS: f64 = 0.6;
 /// A climb that gains less likelihood is done.
 const ENOUGH: f64 = 0.5;
 /// As climbs from several beginnings are compared.
@@ -137,29 +135,34 @@ const ROUGH: f64 = 10.0;
 const MOST_ASIDE_RAD: f64 = 1.9;
 /// The search looks at every so many-th block.
 const SOME: usize = 4;
+/// Of a sample of a model that is right, about.
+const USUAL_COST: f64 = 0.45;
 /// A second lamp has one unknown more in each block, of 70 samples or so: it has to be the likelier for it (Akaike 1974).
 const WORSE: f64 = 0.014;
-/// Free light has three or four more.
-const MOST_WORSE: f64 = 0.03;
-/// Where no lamps fit well, as by what is usual of noise, none are believed.
-const MOST_COST: f64 = 0.6;
-const MOST_DEEP_COST: f64 = 1.0;
+/// Where neither one lamp nor two explain the pixels, two do by being more: they have to cost so many times as much as one, no more.
+const USUAL_DEEP_COST: f64 = 0.6;
+const TIMES_TWO: f64 = 0.75;
+/// Free light has three or four more: lamps may cost so many times as much.
+const MOST_TIMES: f64 = 1.07;
+/// And free light does not explain limbs that it does not see.
+const MOST_TIMES_SEEN: f64 = 1.35;
+/// Deep inside nothing is exact.
+const MOST_TIMES_DEEP: f64 = 1.9;
+/// Two lamps that are nearer to each other are something else that is not understood.
+const LEAST_APART_RAD: f64 = 0.45;
 /// By so much of a lamp's light the limbs of an eye may differ in light from everywhere and in that of the lamp, as standard deviations.
 const UNLIKE_AROUND: f64 = 0.03;
 const UNLIKE_LAMP: f64 = 0.05;
 /// A block by itself may differ by more.
 const UNLIKE_EACH: f64 = 0.1;
 
-/// Whether lamps may tell more than free light does: light rises softly from a limb or ends before it, or all of the rod is near a limb.
-pub(crate) fn are_suspected(fit: &Fit, found: &[[Found; 2]; 2]) -> bool {
+/// Whether lamps may tell more than free light does: light rises softly from a limb, or a limb is not seen.
+pub(crate) fn are_suspected(found: &[[Found; 2]; 2]) -> bool {
     let limbs = || found.iter().flatten();
     let radii_px = limbs().filter_map(|found| Some(found.middle?.radius_px));
     let narrowest_px = radii_px.fold(f64::INFINITY, f64::min);
-    let mut shadows = fit.state.shadows.iter().flatten().flatten();
-    narrowest_px > LEAST_RADIUS_PX
-        && (narrowest_px < NARROW_PX
-            || shadows.any(|shadow| shadow.amount > 0.0)
-            || limbs().any(|found| found.softness > LEAST_SOFTNESS))
+    let is_odd = |found: &Found| found.limb != Limb::Seen || found.softness > LEAST_SOFTNESS;
+    narrowest_px > LEAST_RADIUS_PX && limbs().any(is_odd)
 }
 
 /// How far inside limbs the light of lamps is looked at, px.
@@ -198,16 +201,13 @@ pub(crate) fn by_lamps(
         };
         let fit = climb::climb(&[start], prior, &mut blocks, enough)?;
         let seen = limbs::limbs(&fit.pairs[0], &blocks[0]);
-        let seen = seen.iter().flatten();
-        let seen = seen.filter(|found| found.limb == Limb::Seen).count();
+        let seen = seen.map(|eye| eye.iter().filter(|found| found.limb == Limb::Seen).count());
         Some((fit, seen))
     };
     // Of a sample, as windows differ.
     let cost =
         |fit: &Fits| fit.pairs.iter().map(|fit| fit.sums.cost).sum::<f64>() / fit.samples as f64;
-    let (free, free_seen) = climbed(rod, 1, INSIDE_PX, ENOUGH)?;
-    let mut likeliest: Option<(f64, Fits)> = None;
-    for (beginnings, worse) in [(&ONE_RAD[..], 0.0), (&TWO_RAD[..], WORSE)] {
+    let likeliest = |beginnings: &[[Option<f64>; 2]]| {
         let states = beginnings.iter().flat_map(|off_rad| {
             let state = State {
                 shadows: [[None; 2]; 2],
@@ -220,36 +220,48 @@ pub(crate) fn by_lamps(
                 .flatten();
             [Some(state), farther].into_iter().flatten()
         });
-        let fits = states.filter_map(|state| Some(climbed(state, SOME, deep_px, ROUGH)?.0));
-        let Some(best) = fits.min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
-            continue;
-        };
-        let fit = climbed(*best.state(), 1, deep_px, ENOUGH)
-            .filter(|(fit, _)| cost(fit) < MOST_DEEP_COST && is_before(fit.state(), &blocks));
-        let Some((fit, _)) = fit else {
-            continue;
-        };
-        // By what free light is looked at, too: deeper inside all fit.
-        let near = climbed(*fit.state(), 1, INSIDE_PX, ENOUGH);
-        // Beside a rod all fits as well: where there is nothing to explain.
-        let Some((near, seen)) = near.filter(|(_, seen)| *seen >= free_seen) else {
-            continue;
-        };
-        let worth = cost(&near) + worse;
-        let most = if seen > free_seen {
-            MOST_COST
-        } else {
-            MOST_COST.min(cost(&free) + MOST_WORSE)
-        };
-        if worth >= most {
-            continue;
+        let (rough, _) = states
+            .filter_map(|state| climbed(state, SOME, deep_px, ROUGH))
+            .filter(|(fit, seen)| is_before(fit.state(), &blocks) && are_enough(seen))
+            .min_by(|(a, _), (b, _)| cost(a).total_cmp(&cost(b)))?;
+        let (fit, _) = climbed(*rough.state(), 1, deep_px, ENOUGH)?;
+        Some((cost(&fit), *fit.state()))
+    };
+    let (deep, lit) = match (likeliest(&ONE_RAD), likeliest(&TWO_RAD)) {
+        (Some(one), Some(two)) => {
+            let explains = two.0 < USUAL_DEEP_COST || two.0 < TIMES_TWO * one.0;
+            let is_two = explains && two.0 + WORSE < one.0;
+            if is_two { two } else { one }
         }
-        if likeliest.as_ref().is_none_or(|(least, _)| worth < *least) {
-            likeliest = Some((worth, fit));
-        }
-    }
-    let (_, fit) = likeliest?;
-    Some(*fit.state())
+        (one, two) => one.or(two)?,
+    };
+    // By what free light is looked at, too: deeper inside all fit.
+    let (free, free_seen) = climbed(rod, 1, INSIDE_PX, ENOUGH)?;
+    let (near, seen) = climbed(lit, 1, INSIDE_PX, ENOUGH)?;
+    let sees_more = seen.iter().sum::<usize>() > free_seen.iter().sum();
+    let most = if sees_more {
+        MOST_TIMES_SEEN
+    } else {
+        MOST_TIMES
+    };
+    let as_free = cost(&free).max(USUAL_COST);
+    // Beside a rod all fits as well: there is nothing to explain.
+    let is_one = are_enough(&seen) && is_before(&lit, &blocks) && are_apart(&lit.lamps_rad);
+    let is_likely = cost(&near) < most * as_free && deep < MOST_TIMES_DEEP * as_free;
+    (is_one && is_likely).then_some(lit)
+}
+
+/// Whether limbs seen by each eye place a rod.
+fn are_enough(seen: &[usize; 2]) -> bool {
+    !seen.contains(&0) && seen.iter().sum::<usize>() >= 3
+}
+
+/// Whether two lamps are not one that is seen badly.
+fn are_apart(lamps_rad: &[Option<f64>; 2]) -> bool {
+    let [Some(first), Some(second)] = lamps_rad else {
+        return true;
+    };
+    libm::cos(first - second) < libm::cos(LEAST_APART_RAD)
 }
 
 /// Whether no lamp is behind the rod.

@@ -19,9 +19,9 @@ const LEAST_STEP: f64 = 0.8;
 /// Softer, a limb is not believed where no other would contradict it.
 const MOST_SOFTNESS: f64 = 0.6;
 /// Softer, it is little more than where light begins.
-const FADED: f64 = 0.85;
+const FADED: f64 = 0.75;
 /// On narrower rods no lamp before them ends far enough from a limb to be mistaken for it.
-const FADED_RADIUS_PX: f64 = 12.0;
+const FADED_RADIUS_PX: f64 = 8.0;
 
 /// What a limb turned out to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

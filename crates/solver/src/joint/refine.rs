@@ -180,7 +180,7 @@ pub(super) fn refine(
     }
     let mut found = found(&fit, &blocks);
     if let ([of_pair], [limbs]) = (&pixels[..], &found[..])
-        && lamp::are_suspected(&fit.pairs[0], limbs)
+        && lamp::are_suspected(limbs)
         && let Some((start, lit, around)) = of_pair.by_lamps((&fit, limbs), [free_prior, prior])
     {
         (starts, fit, blocks) = (vec![start], lit, vec![around]);
