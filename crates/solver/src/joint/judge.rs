@@ -18,7 +18,7 @@ const NARROW_PX: f64 = 5.0;
 
 /// Nor of light that rises softly from a limb without a step: this, px, times the square of how softly.
 const SOFT_PX: f64 = 0.15;
-/// It may be where a lamp's light ends, before the limb: this share of the radius, times the cube of how softly; where one lamp explains it,
+/// It may be where a lamp's light ends, before the limb: this share of the radius, times the sixth power of how softly; where one lamp explains it,
 /// and where it takes two.
 const SOFT_RADII: [f64; 3] = [0.05, 0.01, 0.03];
 /// Of limbs of blocks so many are worth of what is fitted to all of them: edges, blurs, shadows and half of their mean shading.
@@ -270,7 +270,10 @@ fn told(
         let soft_px = if lamps == 0 { SOFT_PX * soft2 } else { 0.0 };
         let floor_px = libm::hypot(
             FLOOR_PX * (1.0 + narrow) + BLURRED * blur_px,
-            libm::hypot(soft_px, SOFT_RADII[lamps] * radius_px * soft2 * softness),
+            libm::hypot(
+                soft_px,
+                SOFT_RADII[lamps] * radius_px * soft2 * soft2 * soft2,
+            ),
         );
         covariance[(k, k)] += FLOORS[k % 3] * floor_px * floor_px;
     }
