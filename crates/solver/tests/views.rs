@@ -208,9 +208,11 @@ fn wrong_moves_are_found_out() {
             let estimate = with(axis * off_m);
             println!("{off_m} {:?}", estimate.reason);
             assert_ne!(estimate.status, Status::Ok, "{off_m} {axis}");
-            // Who left the other pair out is right, and says so.
+            // Who left the other pair out is right, and says so; or takes what does not fit for light, and is as unsure as that is off.
             if estimate.status == Status::Degraded {
-                assert!(offset_m(&estimate, &truth) < 5e-4, "{off_m} {axis}");
+                let unsure_m = 2.0 * depth_sigma_m(&estimate);
+                let off_m = offset_m(&estimate, &truth);
+                assert!(off_m < unsure_m.max(5e-4), "{off_m} {axis}");
             }
         }
     }
