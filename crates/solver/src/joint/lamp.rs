@@ -146,7 +146,7 @@ const TIMES_TWO: f64 = 0.75;
 const MOST_TIMES: f64 = 1.07;
 /// And free light does not explain limbs that it does not see.
 const MOST_TIMES_SEEN: f64 = 1.35;
-/// Deep inside nothing is exact.
+/// Deep inside no light is exact, but it ought to be if it is no better than free light nearer by.
 const MOST_TIMES_DEEP: f64 = 1.9;
 /// Two lamps that are nearer to each other are something else that is not understood.
 const LEAST_APART_RAD: f64 = 0.45;
@@ -175,11 +175,11 @@ pub(crate) fn inside_px(found: &[[Found; 2]; 2]) -> f64 {
 
 /// The likeliest rod in the light of one lamp or two, near one that was fitted to light of any kind; `None` where it is much less likely.
 pub(crate) fn by_lamps(
-    free: &Fits,
+    free: &State,
     (prior, deep_px): (Option<Prior>, f64),
     gather: impl Fn(&State, usize, f64) -> Option<Vec<Block>>,
 ) -> Option<State> {
-    let rod = *free.state();
+    let rod = *free;
     let blocks = gather(&rod, SOME, deep_px)?;
     let axis = &rod.cylinder.axis;
     let cuts = || blocks.iter().flat_map(|block| block.cuts.iter().flatten());
@@ -247,7 +247,8 @@ pub(crate) fn by_lamps(
     let as_free = cost(&free).max(USUAL_COST);
     // Beside a rod all fits as well: there is nothing to explain.
     let is_one = are_enough(&seen) && is_before(&lit, &blocks) && are_apart(&lit.lamps_rad);
-    let is_likely = cost(&near) < most * as_free && deep < MOST_TIMES_DEEP * as_free;
+    let is_near = deep < MOST_TIMES_DEEP * as_free || cost(&near) < cost(&free);
+    let is_likely = cost(&near) < most * as_free && is_near;
     (is_one && is_likely).then_some(lit)
 }
 

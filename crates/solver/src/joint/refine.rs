@@ -5,7 +5,7 @@ use rodsight_geometry::{Side, Vec3};
 use super::alike;
 use super::bands::{INSIDE_PX, Window};
 use super::block::Alike;
-use super::climb::{self, Fits, Prior, Start};
+use super::climb::{self, Fit, Fits, Prior, Start};
 use super::contrast::{self, View};
 use super::crossing::moved_px;
 use super::drift::Drift;
@@ -31,6 +31,8 @@ const LEAST_BLOCKS: usize = 4;
 const MOVED_PX: f64 = 0.5;
 /// A pick may miss the rod by so many radii.
 pub(super) const MOST_MISS_RADII: f64 = 0.2;
+/// Where limbs leave a rod unsure by more than this share of how far it is, they do not place it.
+const MOST_UNPLACED: f64 = 0.1;
 /// χ² of a pixel of what surely is a rod.
 const SURE_MISFIT: f64 = 1.3;
 
@@ -179,11 +181,23 @@ pub(super) fn refine(
         fit = climb::climb(&starts, prior, &mut blocks, climb::GAIN)?;
     }
     let mut found = found(&fit, &blocks);
-    if let ([of_pair], [limbs]) = (&pixels[..], &found[..])
-        && lamp::are_suspected(limbs)
-        && let Some((start, lit, around)) = of_pair.by_lamps((&fit, limbs), [free_prior, prior])
-    {
-        (starts, fit, blocks) = (vec![start], lit, vec![around]);
+    let of_pairs = pixels.iter().zip(&fit.pairs).zip(&found);
+    // Light is not to tell what limbs do not.
+    let lit: Vec<_> = of_pairs
+        .filter(|_| is_placed(&fit, &found, prior))
+        .map(|((pixels, fit), limbs)| pixels.by_lamps((fit, limbs), free_prior))
+        .collect();
+    if let Some(rod) = lit.iter().flatten().next().map(|(start, _)| start.state) {
+        for (pair, lit) in lit.into_iter().enumerate() {
+            if let Some((start, around)) = lit {
+                (starts[pair], blocks[pair]) = (start, around);
+            } else {
+                starts[pair].take(&fit.pairs[pair]);
+                starts[pair].lit = Some(fit.pairs[pair].lit.clone());
+            }
+            starts[pair].state.take_rod(&rod);
+        }
+        fit = climb::climb(&starts, prior, &mut blocks, climb::GAIN)?;
         found = self::found(&fit, &blocks);
     }
     let limbs_of = |found: &[[[Found; 2]; 2]]| -> Vec<[[Limb; 2]; 2]> {
@@ -238,6 +252,17 @@ pub(super) fn refine(
         prior,
         limbs: of_all,
     })
+}
+
+/// Whether limbs tell where a rod is, to some share of how far it is, and it is straight: around a bent one lamps turn.
+fn is_placed(fit: &Fits, found: &[[[Found; 2]; 2]], prior: Option<Prior>) -> bool {
+    let rod = fit.state();
+    let far_m = rod.cylinder.axis.point_m.norm();
+    rod.bend_per_m.is_none()
+        && judge::judge(fit, found, prior, None).is_some_and(|judgement| {
+            let shifts = judgement.covariance.fixed_view::<2, 2>(0, 0);
+            shifts.trace() < (MOST_UNPLACED * far_m).powi(2)
+        })
 }
 
 /// The limbs of each pair.
@@ -313,16 +338,18 @@ impl<'a> Pixels<'a> {
         (blocks.len() >= LEAST_BLOCKS).then_some(blocks)
     }
 
-    /// As if one lamp or two lit the rod, near a fit to light of any kind; `None` where that is much less likely. What is known of the radius
-    /// is given as of coming near, and of the end.
+    /// As if one lamp or two lit the rod, near a fit to light of any kind; `None` where that is not suspected or much less likely.
     fn by_lamps(
         &self,
-        (free, found): (&Fits, &[[Found; 2]; 2]),
-        [rough, prior]: [Option<Prior>; 2],
-    ) -> Option<(Start, Fits, Vec<Block>)> {
+        (free, found): (&Fit, &[[Found; 2]; 2]),
+        prior: Option<Prior>,
+    ) -> Option<(Start, Vec<Block>)> {
+        if !lamp::are_suspected(found) {
+            return None;
+        }
         // Both limbs of an eye in the same colours: they have the same paint.
         let mut views = self.views;
-        for (view, evidence) in views.iter_mut().zip(&free.pairs.first()?.sums.evidence) {
+        for (view, evidence) in views.iter_mut().zip(&free.sums.evidence) {
             let plainest = usize::from(evidence[1] > evidence[0]);
             view.axes = [view.axes[plainest]; 2];
         }
@@ -331,8 +358,9 @@ impl<'a> Pixels<'a> {
             inside_px: lamp::inside_px(found),
             ..*self
         };
+        let known = (prior, pixels.inside_px);
         let mut start = Start {
-            state: lamp::by_lamps(free, (rough, pixels.inside_px), |state, step, inside_px| {
+            state: lamp::by_lamps(&free.state, known, |state, step, inside_px| {
                 let pixels = Pixels {
                     inside_px,
                     ..pixels
@@ -344,15 +372,14 @@ impl<'a> Pixels<'a> {
             drift: self.drift,
         };
         let mut blocks = [pixels.blocks(&start.state)?];
-        let fit = climb::climb(&[start.clone()], rough, &mut blocks, ROUGH_GAIN)?;
+        let fit = climb::climb(&[start.clone()], prior, &mut blocks, ROUGH_GAIN)?;
         let fit = fit.pairs.first()?;
         start.take(fit);
         let (mut alike, lit) = alike::alike(fit, &blocks[0]);
         alike.means = lamp::of_means(&lit);
         (start.alike, start.lit) = (alike, Some(lit));
-        let fit = climb::climb(&[start.clone()], prior, &mut blocks, climb::GAIN)?;
         let [blocks] = blocks;
-        Some((start, fit, blocks))
+        Some((start, blocks))
     }
 }
 

@@ -138,6 +138,13 @@ impl State {
         [least, most]
     }
 
+    /// As another has it, nearly where this one is.
+    pub(crate) fn take_rod(&mut self, other: &Self) {
+        self.cylinder = other.cylinder;
+        self.across = other.across;
+        self.bend_per_m = other.bend_per_m;
+    }
+
     /// By a step that may be taken.
     pub(crate) fn moved(&self, by: &SVector<f64, UNKNOWNS>) -> Self {
         let [e1, e2] = self.across;
