@@ -44,9 +44,14 @@ fn depth_sigma_m(answer: &Value) -> f64 {
 }
 
 #[test]
-fn a_further_pair_is_fitted_as_well_as_its_move_is_known() {
+fn a_further_pair_makes_the_rod_surer() {
+    let one = solve(&["--json"]).json();
     let two = also("plain", &described(MOVE), &[]).json();
     assert_eq!(two["status"], "ok", "{two}");
+    assert!(
+        depth_sigma_m(&two) < 0.9 * depth_sigma_m(&one),
+        "{one} {two}"
+    );
     // A rig that was calibrated where it went says the same.
     let still = "rig_from_moved = { rpy_deg = [0, 0, 0], translation_m = [0, 0, 0] }\n";
     let of_rig = described(&format!("rig = \"rig.toml\"\n{still}"));

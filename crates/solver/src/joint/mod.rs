@@ -22,6 +22,7 @@ mod answer;
 mod astray;
 mod bands;
 mod block;
+mod by_lamps;
 mod climb;
 mod contrast;
 mod covariance;

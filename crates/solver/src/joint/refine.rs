@@ -18,7 +18,7 @@ use super::shadow;
 use super::shot::Shot;
 use super::state::State;
 use super::strip::Strip;
-use super::{bands, lamp, trace};
+use super::{bands, by_lamps, trace};
 use crate::Request;
 
 /// A rod is bent if that makes the pixels so much likelier.
@@ -344,7 +344,7 @@ impl<'a> Pixels<'a> {
         (free, found): (&Fit, &[[Found; 2]; 2]),
         prior: Option<Prior>,
     ) -> Option<(Start, Vec<Block>)> {
-        if !lamp::are_suspected(found) {
+        if !by_lamps::are_suspected(found) {
             return None;
         }
         // Both limbs of an eye in the same colours: they have the same paint.
@@ -355,12 +355,12 @@ impl<'a> Pixels<'a> {
         }
         let pixels = Pixels {
             views,
-            inside_px: lamp::inside_px(found),
+            inside_px: by_lamps::inside_px(found),
             ..*self
         };
         let known = (prior, pixels.inside_px);
         let mut start = Start {
-            state: lamp::by_lamps(&free.state, known, |state, step, inside_px| {
+            state: by_lamps::by_lamps(&free.state, known, |state, step, inside_px| {
                 let pixels = Pixels {
                     inside_px,
                     ..pixels
@@ -376,7 +376,7 @@ impl<'a> Pixels<'a> {
         let fit = fit.pairs.first()?;
         start.take(fit);
         let (mut alike, lit) = alike::alike(fit, &blocks[0]);
-        alike.means = lamp::of_means(&lit);
+        alike.means = by_lamps::of_means(&lit);
         (start.alike, start.lit) = (alike, Some(lit));
         let [blocks] = blocks;
         Some((start, blocks))
