@@ -101,8 +101,8 @@ pub(crate) fn by_lamps(
         each: [0, 1].map(|eye| of_both_limbs(brightness(&blocks, eye), [UNLIKE_EACH; 2])),
         ..Alike::default()
     };
-    let climbed = |state: State, step, inside_px, enough| {
-        let mut blocks = [gather(&state, step, inside_px)?];
+    let climbed_in = |around: Vec<Block>, state: State, enough| {
+        let mut blocks = [around];
         let is_free = state.lamps_rad[0].is_none();
         let start = Start {
             state,
@@ -115,11 +115,14 @@ pub(crate) fn by_lamps(
         let seen = seen.map(|eye| eye.iter().filter(|found| found.limb == Limb::Seen).count());
         Some((fit, seen))
     };
+    let climbed = |state: State, step, inside_px, enough| {
+        climbed_in(gather(&state, step, inside_px)?, state, enough)
+    };
     // Of a sample, as windows differ.
     let cost =
         |fit: &Fits| fit.pairs.iter().map(|fit| fit.sums.cost).sum::<f64>() / fit.samples as f64;
     let likeliest = |beginnings: &[[Option<f64>; 2]]| {
-        let states = beginnings.iter().flat_map(|off_rad| {
+        let begun = beginnings.iter().flat_map(|off_rad| {
             let state = State {
                 shadows: [[None; 2]; 2],
                 lamps_rad: off_rad.map(|off_rad| Some(view_rad + off_rad?)),
@@ -129,10 +132,11 @@ pub(crate) fn by_lamps(
                 .is_none()
                 .then(|| out_of_shadow(&state, &blocks))
                 .flatten();
-            [Some(state), farther].into_iter().flatten()
+            let begun = climbed_in(blocks.clone(), state, ROUGH);
+            let farther = farther.and_then(|state| climbed(state, SOME, deep_px, ROUGH));
+            [begun, farther].into_iter().flatten()
         });
-        let (rough, _) = states
-            .filter_map(|state| climbed(state, SOME, deep_px, ROUGH))
+        let (rough, _) = begun
             .filter(|(fit, seen)| is_before(fit.state(), &blocks) && are_enough(seen))
             .min_by(|(a, _), (b, _)| cost(a).total_cmp(&cost(b)))?;
         let (fit, _) = climbed(*rough.state(), 1, deep_px, ENOUGH)?;
