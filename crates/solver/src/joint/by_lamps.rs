@@ -5,7 +5,7 @@ use rodsight_geometry::Vec3;
 
 use super::bands::INSIDE_PX;
 use super::block::{Alike, Lit, Shading};
-use super::climb::{self, Fits, Prior, Start};
+use super::climb::{self, Prior, Start};
 use super::crossing::Crossing;
 use super::lamp::{Lamp, back};
 use super::limbs::{self, Found, Limb};
@@ -85,86 +85,145 @@ pub(crate) fn inside_px(found: &[[Found; 2]; 2]) -> f64 {
 }
 
 /// The likeliest rod in the light of one lamp or two, near one that was fitted to light of any kind; `None` where it is much less likely.
+/// `gather` finds the pixels around a rod: of every so many-th block, so many px inside its limbs.
 pub(crate) fn by_lamps(
-    free: &State,
+    rod: &State,
     (prior, deep_px): (Option<Prior>, f64),
     gather: impl Fn(&State, usize, f64) -> Option<Vec<Block>>,
 ) -> Option<State> {
-    let rod = *free;
-    let blocks = gather(&rod, SOME, deep_px)?;
-    let axis = &rod.cylinder.axis;
-    let cuts = || blocks.iter().flat_map(|block| block.cuts.iter().flatten());
-    let view: Vec3 = cuts().map(|cut| back(&axis.direction, &cut.rays[1])).sum();
-    let [first, second] = rod.across;
-    let view_rad = libm::atan2(view.dot(&second), view.dot(&first));
-    let alike = Alike {
+    let blocks = gather(rod, SOME, deep_px)?;
+    let search = Search {
         each: [0, 1].map(|eye| of_both_limbs(brightness(&blocks, eye), [UNLIKE_EACH; 2])),
-        ..Alike::default()
+        rod,
+        prior,
+        deep_px,
+        blocks,
+        gather,
     };
-    let climbed_in = |around: Vec<Block>, state: State, enough| {
-        let mut blocks = [around];
-        let is_free = state.lamps_rad[0].is_none();
-        let start = Start {
-            state,
-            lit: None,
-            alike: if is_free { Alike::default() } else { alike },
-            drift: None,
-        };
-        let fit = climb::climb(&[start], prior, &mut blocks, enough)?;
-        let seen = limbs::limbs(&fit.pairs[0], &blocks[0]);
-        let seen = seen.map(|eye| eye.iter().filter(|found| found.limb == Limb::Seen).count());
-        Some((fit, seen))
-    };
-    let climbed = |state: State, step, inside_px, enough| {
-        climbed_in(gather(&state, step, inside_px)?, state, enough)
-    };
-    // Of a sample, as windows differ.
-    let cost =
-        |fit: &Fits| fit.pairs.iter().map(|fit| fit.sums.cost).sum::<f64>() / fit.samples as f64;
-    let likeliest = |beginnings: &[[Option<f64>; 2]]| {
-        let begun = beginnings.iter().flat_map(|off_rad| {
-            let state = State {
-                shadows: [[None; 2]; 2],
-                lamps_rad: off_rad.map(|off_rad| Some(view_rad + off_rad?)),
-                ..rod
-            };
-            let farther = off_rad[1]
-                .is_none()
-                .then(|| out_of_shadow(&state, &blocks))
-                .flatten();
-            let begun = climbed_in(blocks.clone(), state, ROUGH);
-            let farther = farther.and_then(|state| climbed(state, SOME, deep_px, ROUGH));
-            [begun, farther].into_iter().flatten()
-        });
-        let (rough, _) = begun
-            .filter(|(fit, seen)| is_before(fit.state(), &blocks) && are_enough(seen))
-            .min_by(|(a, _), (b, _)| cost(a).total_cmp(&cost(b)))?;
-        let (fit, _) = climbed(*rough.state(), 1, deep_px, ENOUGH)?;
-        Some((cost(&fit), *fit.state()))
-    };
-    let (deep, lit) = match (likeliest(&ONE_RAD), likeliest(&TWO_RAD)) {
+    let (one, two) = (search.likeliest(&ONE_RAD), search.likeliest(&TWO_RAD));
+    let deep = match (one, two) {
         (Some(one), Some(two)) => {
-            let explains = two.0 < USUAL_DEEP_COST || two.0 < TIMES_TWO * one.0;
-            let is_two = explains && two.0 + WORSE < one.0;
+            let explains = two.cost < USUAL_DEEP_COST || two.cost < TIMES_TWO * one.cost;
+            let is_two = explains && two.cost + WORSE < one.cost;
             if is_two { two } else { one }
         }
         (one, two) => one.or(two)?,
     };
-    // By what free light is looked at, too: deeper inside all fit.
-    let (free, free_seen) = climbed(rod, 1, INSIDE_PX, ENOUGH)?;
-    let (near, seen) = climbed(lit, 1, INSIDE_PX, ENOUGH)?;
-    let sees_more = seen.iter().sum::<usize>() > free_seen.iter().sum();
-    let most = if sees_more {
-        MOST_TIMES_SEEN
-    } else {
-        MOST_TIMES
-    };
-    let as_free = cost(&free).max(USUAL_COST);
-    // Beside a rod all fits as well: there is nothing to explain.
-    let is_one = are_enough(&seen) && is_before(&lit, &blocks) && are_apart(&lit.lamps_rad);
-    let is_near = deep < MOST_TIMES_DEEP * as_free || cost(&near) < cost(&free);
-    let is_likely = cost(&near) < most * as_free && is_near;
-    (is_one && is_likely).then_some(lit)
+    search.is_believed(&deep)?.then_some(deep.state)
+}
+
+/// A rod in some light, what a sample costs there, and how many limbs each eye sees.
+#[derive(Clone, Copy)]
+struct Tried {
+    state: State,
+    cost: f64,
+    seen: [usize; 2],
+}
+
+/// A search near a rod.
+struct Search<'a, G> {
+    rod: &'a State,
+    prior: Option<Prior>,
+    /// How far inside limbs it looks.
+    deep_px: f64,
+    /// Around the rod.
+    blocks: Vec<Block>,
+    /// What is known of the shading of lamps.
+    each: [Shading; 2],
+    gather: G,
+}
+
+impl<G: Fn(&State, usize, f64) -> Option<Vec<Block>>> Search<'_, G> {
+    /// The likeliest of several beginnings.
+    fn likeliest(&self, beginnings_rad: &[[Option<f64>; 2]]) -> Option<Tried> {
+        let axis = &self.rod.cylinder.axis;
+        let cuts = self
+            .blocks
+            .iter()
+            .flat_map(|block| block.cuts.iter().flatten());
+        let view: Vec3 = cuts.map(|cut| back(&axis.direction, &cut.rays[1])).sum();
+        let [first, second] = self.rod.across;
+        let view_rad = libm::atan2(view.dot(&second), view.dot(&first));
+        let rough = |off_rad: &[Option<f64>; 2]| {
+            let state = State {
+                shadows: [[None; 2]; 2],
+                lamps_rad: off_rad.map(|off_rad| Some(view_rad + off_rad?)),
+                ..*self.rod
+            };
+            let farther = off_rad[1]
+                .is_none()
+                .then(|| out_of_shadow(&state, &self.blocks))
+                .flatten();
+            let here = self.climbed(self.blocks.clone(), &state, ROUGH);
+            let farther = farther.and_then(|state| self.tried(&state, SOME, self.deep_px, ROUGH));
+            [here, farther].into_iter().flatten()
+        };
+        let best = beginnings_rad
+            .iter()
+            .flat_map(rough)
+            .filter(|tried| self.is_before(&tried.state) && are_enough(&tried.seen))
+            .min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        self.tried(&best.state, 1, self.deep_px, ENOUGH)
+    }
+
+    /// Whether lamps make the pixels about as likely as free light does, by the pixels that free light is looked at.
+    fn is_believed(&self, deep: &Tried) -> Option<bool> {
+        let free = self.tried(self.rod, 1, INSIDE_PX, ENOUGH)?;
+        let near = self.tried(&deep.state, 1, INSIDE_PX, ENOUGH)?;
+        let sees_more = near.seen.iter().sum::<usize>() > free.seen.iter().sum();
+        let most = if sees_more {
+            MOST_TIMES_SEEN
+        } else {
+            MOST_TIMES
+        };
+        let as_free = free.cost.max(USUAL_COST);
+        let is_deep = deep.cost < MOST_TIMES_DEEP * as_free || near.cost < free.cost;
+        // Beside a rod all fits as well: there is nothing to explain.
+        let is_rod = are_enough(&near.seen) && self.is_before(&deep.state);
+        Some(is_rod && is_deep && near.cost < most * as_free && are_apart(&deep.state.lamps_rad))
+    }
+
+    /// Climbs from a state, among the pixels around it.
+    fn tried(&self, state: &State, step: usize, inside_px: f64, enough: f64) -> Option<Tried> {
+        self.climbed((self.gather)(state, step, inside_px)?, state, enough)
+    }
+
+    fn climbed(&self, around: Vec<Block>, state: &State, enough: f64) -> Option<Tried> {
+        let is_free = state.lamps_rad[0].is_none();
+        let alike = Alike {
+            each: if is_free {
+                Default::default()
+            } else {
+                self.each
+            },
+            ..Alike::default()
+        };
+        let start = Start {
+            state: *state,
+            lit: None,
+            alike,
+            drift: None,
+        };
+        let mut blocks = [around];
+        let fits = climb::climb(&[start], self.prior, &mut blocks, enough)?;
+        let fit = fits.pairs.first()?;
+        let seen = limbs::limbs(fit, &blocks[0]);
+        Some(Tried {
+            state: fit.state,
+            cost: fit.sums.cost / fits.samples as f64,
+            seen: seen.map(|eye| eye.iter().filter(|found| found.limb == Limb::Seen).count()),
+        })
+    }
+
+    /// Whether no lamp is behind the rod.
+    fn is_before(&self, state: &State) -> bool {
+        let cuts = self
+            .blocks
+            .iter()
+            .flat_map(|block| block.cuts.iter().flatten());
+        let mut lamps = cuts.flat_map(|cut| Lamp::of(state, &cut.rays[1], 1.0));
+        lamps.all(|lamp| lamp.is_none_or(|lamp| lamp.psi_rad.abs() < MOST_ASIDE_RAD))
+    }
 }
 
 /// Whether limbs seen by each eye place a rod.
@@ -178,13 +237,6 @@ fn are_apart(lamps_rad: &[Option<f64>; 2]) -> bool {
         return true;
     };
     libm::cos(first - second) < libm::cos(LEAST_APART_RAD)
-}
-
-/// Whether no lamp is behind the rod.
-fn is_before(state: &State, blocks: &[Block]) -> bool {
-    let cuts = blocks.iter().flat_map(|block| block.cuts.iter().flatten());
-    let mut lamps = cuts.flat_map(|cut| Lamp::of(state, &cut.rays[1], 1.0));
-    lamps.all(|lamp| lamp.is_none_or(|lamp| lamp.psi_rad.abs() < MOST_ASIDE_RAD))
 }
 
 /// A rod whose limbs lie as much farther out as a lamp's light ends before them: what was taken for limbs may be where that is.
