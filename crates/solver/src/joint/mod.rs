@@ -6,11 +6,11 @@
 //! and `pool` what neighbouring rows say together; `state` is what is unknown, `moments`, `spread` and `shade` the light of a pixel,
 //! `crossing` where it is, `block` and `fit` the sums over all, `climb` their maximum by `step`s of all pairs, `drift` what is not known of a
 //! move; `alike` learns how shading changes along the limbs; `shadow` and `limbs` look at what the light inside a limb says of lamps, and
-//! whether it is a limb at all. Last `judge` with `covariance`: how sure it is and the redundancies, `astray`: whether pairs contradict
-//! each other, and `answer`.
+//! whether it is a limb at all; where it is soft, `by_lamps` looks for the lamps whose light (`lamp`) ties all limbs. Last `judge` with
+//! `covariance`: how sure it is and the redundancies, `astray`: whether pairs contradict each other, and `answer`.
 //!
-//! Each limb has its own axis of colours and its own light inside, block by block: lamps beside the cameras end in shadows that no one
-//! profile across the rod holds.
+//! But for lamps, each limb has its own axis of colours and its own light inside, block by block: what is shadow on one side and gloss on
+//! the other no one profile across the rod holds.
 //!
 //! Pairs from elsewhere are in the first one's frame from the start: their cameras are where the rig went. A rod is the same in all of
 //! them; blurs, shadows and shading are each pair's own.
