@@ -8,7 +8,9 @@ use rodsight_geometry::{
     Pixel, Pose, Rig, RigFrame, Samples, StereoPair, Vec3,
 };
 use rodsight_solver::paper::{self, Rule};
-use rodsight_solver::{EdgePoint, HueWindow, Method, PaperParams, Pick, Request, Roi, solve};
+use rodsight_solver::{
+    EdgePoint, HueWindow, Method, PaperParams, Pick, Request, Roi, solve, solve_all,
+};
 
 const WINDOW: HueWindow = HueWindow {
     from_deg: 0.0,
@@ -189,5 +191,52 @@ fn whole(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, stages, whole);
+/// How `joint` takes longer as it sees more: regions around the rod, each twice the last, and batches on all threads.
+fn growth(criterion: &mut Criterion) {
+    let pair = pair();
+    let params = PaperParams::default();
+    let around = |eye: Eye, width_px: u32, height_px: u32| {
+        let Roi { x_px, y_px, .. } = region(eye);
+        Some(Roi {
+            x_px: (x_px + 320 - width_px / 2).min(1920 - width_px),
+            y_px: y_px + 350 - height_px / 2,
+            width_px,
+            height_px,
+        })
+    };
+    let asked = |width_px: u32, height_px: u32| Request {
+        roi_left: around(Eye::Left, width_px, height_px),
+        roi_right: around(Eye::Right, width_px, height_px),
+        ..Request::new(&pair)
+    };
+    let mut group = criterion.benchmark_group("joint by region");
+    for (width_px, height_px) in [(160, 175), (320, 350), (640, 700), (1280, 1050)] {
+        let request = asked(width_px, height_px);
+        let estimate = solve(&request, Method::Joint, &params);
+        let answered = estimate.is_ok_and(|e| e.radius_m.is_some());
+        assert!(answered, "a refusal is no benchmark");
+        group.throughput(Throughput::Elements(2 * u64::from(width_px * height_px)));
+        let id = format!("{width_px}x{height_px}");
+        group.bench_function(id, |b| {
+            b.iter(|| solve(black_box(&request), Method::Joint, &params));
+        });
+    }
+    group.finish();
+
+    let batch = vec![asked(640, 700); 16];
+    let mut group = criterion.benchmark_group("joint by batch");
+    group.throughput(Throughput::Elements(batch.len() as u64));
+    group.sample_size(20);
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.expect("threads start");
+        let id = BenchmarkId::new("16 pairs 640x700, threads", threads);
+        group.bench_function(id, |b| {
+            b.iter(|| pool.install(|| solve_all(black_box(&batch), Method::Joint, &params)));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, stages, whole, growth);
 criterion_main!(benches);

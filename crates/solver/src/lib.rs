@@ -46,4 +46,4 @@ pub use paper::{
 pub use request::{
     CalibrationSigma, Method, Pick, RadiusPrior, Request, Roi, SolveError, UnknownMethod,
 };
-pub use solve::{solve, solve_traced};
+pub use solve::{solve, solve_all, solve_traced};

@@ -1,5 +1,7 @@
 //! One door to all methods.
 
+use rayon::prelude::*;
+
 use crate::paper::{self, Centre, PaperParams, Trace};
 use crate::{Estimate, Method, Request, SolveError, joint};
 
@@ -13,6 +15,20 @@ pub fn solve(
     params: &PaperParams,
 ) -> Result<Estimate, SolveError> {
     solve_traced(request, method, params).map(|(estimate, _)| estimate)
+}
+
+/// As [`solve`] of each, in their order and the same whatever the number of threads, as many at once as rayon has.
+///
+/// A pair's images are borrowed: thousands of pairs are solved as they are read, some hundred at a time.
+pub fn solve_all(
+    requests: &[Request<'_>],
+    method: Method,
+    params: &PaperParams,
+) -> Vec<Result<Estimate, SolveError>> {
+    let requests = requests.par_iter();
+    requests
+        .map(|request| solve(request, method, params))
+        .collect()
 }
 
 /// As [`solve`], with everything that happened on the way, for pictures: of the paper's methods, which go by stages.

@@ -7,7 +7,8 @@ mod common;
 use common::{Scene, bisector, offset_m, pick_at, refused, rod, scene, small_rig, truth};
 use rodsight_geometry::{Eye, Image, Pixel, Samples, StereoPair};
 use rodsight_solver::{
-    Estimate, Method, PaperParams, Pick, Request, SegmentationMode, Status, solve, solve_traced,
+    Estimate, Method, PaperParams, Pick, Request, Roi, SegmentationMode, Status, solve, solve_all,
+    solve_traced,
 };
 
 #[test]
@@ -287,6 +288,45 @@ fn the_same_request_gives_the_same_answer() {
     }
     let other = solve(&request, Method::Paper, &PaperParams::default()).unwrap();
     assert_ne!(other, first, "equality must be able to fail");
+}
+
+/// A batch is its requests, in their order, whatever the number of threads; one that makes no sense is an error at its place.
+#[test]
+fn a_batch_is_its_requests() {
+    let pairs = [0.005, 0.01, 0.02].map(|noise_sigma| {
+        Scene {
+            noise_sigma,
+            ..scene()
+        }
+        .pair()
+    });
+    let mut requests: Vec<Request<'_>> = pairs.iter().map(Request::new).collect();
+    let outside = Roi {
+        x_px: 10_000,
+        ..Roi::whole(&pairs[0].left)
+    };
+    requests.insert(
+        1,
+        Request {
+            roi_left: Some(outside),
+            ..Request::new(&pairs[0])
+        },
+    );
+    let params = PaperParams::default();
+    for method in Method::ALL {
+        let one_by_one = |request| solve(request, method, &params).ok();
+        let expected: Vec<_> = requests.iter().map(one_by_one).collect();
+        assert!(expected[1].is_none() && expected[0] != expected[2]);
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            let found = pool.install(|| solve_all(&requests, method, &params));
+            let found: Vec<_> = found.into_iter().map(Result::ok).collect();
+            assert_eq!(found, expected, "{method}, {threads} threads");
+        }
+    }
 }
 
 #[test]
